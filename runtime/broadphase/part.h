@@ -36,14 +36,19 @@ typedef struct part_task {
     bool pairs_on_device;  // the pairs stay on the device
 } part_task;
 
-// How far a part is. CROWDED: its list or its grid had no space for its objects, so that nothing
-// was found. FAILED: nothing is known of the device.
+// How far a part is in a step (part_run.c):
+//
+//   part_take        build or receive the grid        search
+//   ---------> BEGUN -------------------------> HAS_GRID ----> DONE
+//                |                                 |
+//                +---- no space for all objects ---+---------> CROWDED
+//                +---- the device failed ----------+---------> FAILED
 typedef enum part_state {
-    PART_BEGUN,
-    PART_HAS_GRID,
-    PART_DONE,
-    PART_CROWDED,
-    PART_FAILED
+    PART_BEGUN,    // it has a task, and its views may be those of another
+    PART_HAS_GRID, // its views are what the task wants, its grid has the task's range
+    PART_DONE,     // its result has all pairs of the range
+    PART_CROWDED,  // nothing was found; memory that was too small is larger
+    PART_FAILED    // nothing is known of the device, and its views are forgotten
 } part_state;
 
 typedef struct part_kernels {
@@ -232,26 +237,27 @@ void part_invalidate(part *p);
 // Forgets what was made from the grid: it is another.
 void part_forget_grid(part *p);
 
-// Begins to send the first n objects before a step that has these and perhaps more, `bytes` of them
-// all. Only for a device with memory of its own. step: see part_begin.
-bool part_prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step,
-                   duet_error *err);
-
-// Classifies the prefetched objects, chunk after chunk as they arrive: which lie deep inside of the
-// box (kernels/grid/skim.h). False if the device does not; nothing is lost then.
-bool part_skim(part *p, const duet_world_def *def, const float inside_lower[3],
-               const float inside_upper[3], duet_error *err);
-
-// Waits for the blocks of objects from `from` on, which begins a chunk; returns up to which object
-// they are there. *blocks are those of all objects. A failure of the device fails the step.
-uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
-
 // Waits for what was prefetched; chunks of the last step are forgotten, too.
 void part_drop_prefetch(part *p);
 
 // Begins a step, `step` steps after one whose times were asked for: forgets what the last one
 // found and counted, and what was prefetched.
 void part_begin(part *p, uint64_t step);
+
+// Enters the next state.
+void part_enter(part *p, part_state to);
+
+// Takes the work of a step, or of the next try.
+void part_take(part *p, const part_task *task);
+
+// Runs a part from where it is to DONE, CROWDED or FAILED, in any thread.
+void part_run(void *part);
+
+// Figure 11 of the paper: one builds the grid and sends it, so that both can search.
+bool part_share_grid(part *from, part *to, duet_error *err);
+
+// How many objects travel together, if n do.
+uint32_t part_chunk_size(const part *p, uint32_t n);
 
 // Makes the views of the objects, their sizes, the grid's levels and the ids equal to what the task
 // wants.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Makes a part's views equal to what a step wants of the objects, and prefetches them.
+// Makes a part's views equal to what a step wants.
 #include "runtime/broadphase/part.h"
 
 #include "runtime/broadphase/part_ids.h"
 
 // A chunk is whole groups of the kernels that read it, the last one apart. All are powers of two.
-static uint32_t chunk_size(const part *p, uint32_t n)
+uint32_t part_chunk_size(const part *p, uint32_t n)
 {
     uint64_t unit = (uint64_t)p->kernels.hash->group * p->kernels.hash->per_item;
     unit = unit < SKIM_ROWS ? SKIM_ROWS : unit;
@@ -15,19 +15,6 @@ static uint32_t chunk_size(const part *p, uint32_t n)
     return size < n ? (uint32_t)size : n;
 }
 
-// ---------------------------------------------------------------- before a step
-
-bool part_prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step, duet_error *err)
-{
-    const selection first = {.kind = SELECT_RANGES, .n_ranges = 1, .ranges = {{0, objects->n}}};
-    part_begin(p, step);
-    view_forget(&p->objects);
-    return buffer_reserve(&p->objects.own, p->device, bytes, err) &&
-           view_update(&p->objects, &p->times, objects, &first, chunk_size(p, objects->n), err);
-}
-
-// ---------------------------------------------------------------- in a step
-
 // Rows behind prefetched ones travel in chunks, too. A part that receives its grid needs all
 // objects at once.
 static uint32_t chunk_of(const part *p, uint32_t n)
@@ -35,7 +22,7 @@ static uint32_t chunk_of(const part *p, uint32_t n)
     const part_task *task = &p->task;
     const bool in_chunks = p->variant.send == SEND_CHUNKS && task->role != GRID_RECEIVED &&
                            task->wanted.kind == SELECT_ALL && !p->device->info.host_memory;
-    return in_chunks || p->objects.n_chunks > 0 ? chunk_size(p, n) : 0;
+    return in_chunks || p->objects.n_chunks > 0 ? part_chunk_size(p, n) : 0;
 }
 
 static bool update_objects(part *p, duet_error *err)
@@ -50,7 +37,7 @@ static bool update_objects(part *p, duet_error *err)
                   : view_update(&p->objects, &p->times, objects, &task->wanted,
                                 chunk_of(p, objects->n), err);
     if (ok && !view_has(&p->objects, objects->generation, &task->wanted))
-        p->state = PART_CROWDED;
+        part_enter(p, PART_CROWDED);
     return ok;
 }
 

@@ -141,8 +141,8 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
 
 static void note_placed(part *p)
 {
-    if (p->result.found.placed > p->task.range.expected)
-        p->state = PART_CROWDED;
+    if (p->result.found.placed > p->task.range.expected && p->state != PART_CROWDED)
+        part_enter(p, PART_CROWDED);
 }
 
 // A grid with space for fewer objects than there are may get more than it holds, and

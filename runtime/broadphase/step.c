@@ -18,132 +18,7 @@
 
 #include <math.h>
 
-// ---------------------------------------------------------------- tasks
-
-// Leaves pairs on a device if the other one can read them there. A device on host memory gains
-// nothing by it, unless the pairs are wanted in its own buffer.
-static bool pairs_on_device(const duet_world *world, int side)
-{
-    const device *to = world->left.device, *from = world->parts[side].device;
-    return to && (from == to || (!from->info.host_memory && from->context == to->context));
-}
-
-static grid_role role_of(const duet_world *world, int side)
-{
-    const bool shared = world->def.plan.mode == DUET_MODE_SHARED;
-    return !shared ? GRID_OWN : side == 0 ? GRID_RECEIVED : GRID_BUILT;
-}
-
-// The paper's kernels read every object by its id. Each device marks the blocks that the other one
-// needs, so that both read ranges or none does.
-static bool selects_ranges(const duet_world *world)
-{
-    return world->def.ordered && world->def.plan.mode == DUET_MODE_SLAB &&
-           world->variants[0].search != SEARCH_PAPER && world->variants[1].search != SEARCH_PAPER;
-}
-
-static bool has_work(const part_range *range)
-{
-    return range->first < range->last;
-}
-
-// A device with memory of its own gets a list of its slab's objects, if the variant asks for it and
-// that leaves out enough. The kernels know lists of poses and bounds alone.
-static bool selects_list(const duet_world *world, const part_range ranges[2], int side)
-{
-    const grid_objects *o = &world->objects;
-    const part *p = &world->parts[side];
-    const variant *v = &world->variants[side];
-    const bool plain = (o->shape == DUET_SHAPE_POSES || o->shape == DUET_SHAPE_BOUNDS) &&
-                       o->origin == 0.0f && !grid_has_sizes(o);
-    return world->def.plan.mode == DUET_MODE_SLAB && plain && v->search == SEARCH_GPU &&
-           v->send == SEND_PACKED && !p->device->info.host_memory && !p->objects.bound.mem &&
-           has_work(&ranges[0]) && has_work(&ranges[1]) && compaction_pays(&ranges[side], o->all.n);
-}
-
-static selection select_objects(const duet_world *world, const part_range ranges[2], int side)
-{
-    const part_range *slab = &ranges[side];
-    if (selects_ranges(world))
-        return world->ranges.selections[side];
-    return selects_list(world, ranges, side)
-               ? (selection){SELECT_LIST, .key_from = slab->key_from, .key_to = slab->key_to}
-               : select_all(world->objects.all.n);
-}
-
-// Which objects each part searches around: parts of one sorted order, or slabs.
-static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
-{
-    const uint32_t share = world->def.plan.share, n_cells = world->grid.n_cells;
-    const uint32_t n = world->objects.all.n;
-    if (world->def.plan.mode == DUET_MODE_SLAB)
-        return split_cut(&world->split, &world->grid, &world->objects, share, ranges, err) &&
-               (!selects_ranges(world) || input_ranges_begin(&world->ranges, n, ranges, err));
-    uint32_t cut = (uint32_t)((uint64_t)n * share / DUET_SHARE_ONE);
-    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = n};
-    ranges[0] = ranges[1] = whole;
-    ranges[0].last = ranges[1].first = cut;
-    ranges[1].last = n;
-    return true;
-}
-
 // ---------------------------------------------------------------- parts
-
-static bool build_grid(part *p, duet_error *err)
-{
-    if (!part_update_views(p, err))
-        return false;
-    if (p->state == PART_CROWDED)
-        return true;
-    p->state = PART_HAS_GRID;
-    return part_build_grid(p, err);
-}
-
-static bool receive_grid(part *p, part *from, duet_error *err)
-{
-    p->state = PART_HAS_GRID;
-    return part_receive_grid(p, from, err);
-}
-
-static bool search(part *p, duet_error *err)
-{
-    bool ok = part_search(p, err);
-    if (p->state == PART_HAS_GRID)
-        p->state = PART_DONE;
-    return ok;
-}
-
-// Runs a part from where it is, possibly in the driver's thread.
-static void run_part(void *arg)
-{
-    part *p = arg;
-    uint64_t begun = clock_steady_ns();
-    bool ok = p->state == PART_HAS_GRID ||
-              (p->task.role == GRID_RECEIVED ? receive_grid(p, p->task.other, &p->err)
-                                             : build_grid(p, &p->err));
-    if (ok && p->state == PART_HAS_GRID)
-        ok = search(p, &p->err);
-    if (!ok) {
-        p->state = PART_FAILED;
-        part_invalidate(p);
-        compaction_cancel(p->task.lists);
-    }
-    p->bytes = part_bytes(p);
-    p->result.wall_ms += clock_ms_since(begun);
-}
-
-// Figure 11: B builds the grid and sends it; then both search.
-static bool share_grid(part *a, part *b, duet_error *err)
-{
-    uint64_t begun = clock_steady_ns();
-    bool ok = build_grid(b, err) && part_update_views(a, err) && part_send_grid(b, a, err);
-    b->result.wall_ms = clock_ms_since(begun);
-    if (!ok) {
-        part_invalidate(a);
-        part_invalidate(b);
-    }
-    return ok;
-}
 
 // The slab whose objects are to be listed, or NULL.
 static const part_range *slab_to_list(const part *p)
@@ -165,7 +40,7 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
     if (!compaction_start(&world->lists, &world->objects, &world->grid, slabs, devices, &threads,
                           err))
         return false;
-    thread_pool_run_both(world->driver, run_part, use[0] ? a : NULL, use[1] ? b : NULL);
+    thread_pool_run_both(world->driver, part_run, use[0] ? a : NULL, use[1] ? b : NULL);
     thread_pool_wait(threads);
     if (a->state != PART_FAILED && b->state != PART_FAILED)
         return true;
@@ -182,50 +57,26 @@ static void begin_parts(duet_world *world)
             part_begin(&world->parts[side], world->steps);
 }
 
-static bool give_tasks(duet_world *world, duet_error *err)
-{
-    part_range ranges[2];
-    if (!divide(world, ranges, err))
-        return false;
-    for (int side = 0; side < 2; ++side) {
-        part *p = &world->parts[side];
-        p->state = PART_BEGUN;
-        p->err = (duet_error){0};
-        p->task = (part_task){
-            .def = &world->def,
-            .objects = &world->objects,
-            .grid = &world->grid,
-            .role = role_of(world, side),
-            .other = &world->parts[1 - side],
-            .range = ranges[side],
-            .wanted = select_objects(world, ranges, side),
-            .lists = &world->lists,
-            .ids = p->device->info.host_memory ? NULL : world->counted,
-            .pairs_on_device = pairs_on_device(world, side),
-        };
-    }
-    return true;
-}
-
 // *found_all is false if a slab had more objects than space, or a requested block was not selected:
 // both are known then, and the parts are to be run again.
 static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
 {
     part *a = &world->parts[0], *b = &world->parts[1];
-    if (!give_tasks(world, err))
+    if (!world_give_tasks(world, err))
         return false;
-    const bool shared = a->task.role == GRID_RECEIVED && has_work(&a->task.range);
-    const bool use[2] = {has_work(&a->task.range), shared || has_work(&b->task.range)};
+    const bool shared = a->task.role == GRID_RECEIVED && part_range_has_work(&a->task.range);
+    const bool use[2] = {part_range_has_work(&a->task.range),
+                         shared || part_range_has_work(&b->task.range)};
     if ((use[0] && !part_prepare(a, &world->variants[0], err)) ||
         (use[1] && !part_prepare(b, &world->variants[1], err)) ||
-        (shared && !share_grid(a, b, err)) || !run_both(world, use, err))
+        (shared && !part_share_grid(b, a, err)) || !run_both(world, use, err))
         return false;
     const bool crowded = a->state == PART_CROWDED || b->state == PART_CROWDED;
     const block_requests requests[2] = {a->requests.last, b->requests.last};
     if (crowded)
         split_forget(&world->split);
     *found_all =
-        !crowded && (!selects_ranges(world) || input_ranges_held(&world->ranges, requests));
+        !crowded && (!world_selects_ranges(world) || input_ranges_held(&world->ranges, requests));
     return true;
 }
 
@@ -323,60 +174,4 @@ bool world_read_counted(duet_world *world, duet_span spans[2], duet_error *err)
         spans[side] = world->parts[side].result.span;
     }
     return ok;
-}
-
-// ---------------------------------------------------------------- before a step
-
-// A device that is sent all objects, into memory of its own. The step may use other kernels, of
-// another grid; here they only set the chunk size.
-static bool can_prefetch(const duet_world *world, int side)
-{
-    uint32_t share = world->def.plan.share;
-    return world_is_prepared(world, side) && world->def.plan.mode == DUET_MODE_OWN &&
-           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
-           (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
-}
-
-void world_prefetch(duet_world *world, uint32_t n)
-{
-    host_array first = world->objects.all;
-    first.n = n;
-    const uint64_t step = world->def.stage_times ? 0 : world->steps;
-    for (int side = 0; side < 2 && n > 0 && !world->resident.mem; ++side) {
-        part *p = &world->parts[side];
-        if (can_prefetch(world, side) &&
-            !part_prefetch(p, &first, world->objects_block.size, step, NULL))
-            part_invalidate(p);
-    }
-}
-
-static bool is_prefetched(const part *p)
-{
-    return view_is_prefetched(&p->objects, p->objects.generation);
-}
-
-// B, which has most of the work, unless A alone has prefetched objects.
-static part *skimmer(duet_world *world)
-{
-    return &world->parts[is_prefetched(&world->parts[1])];
-}
-
-bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
-{
-    part *p = skimmer(world);
-    const device_view *v = &p->objects;
-    return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->objects.all.n &&
-           part_skim(p, &world->def, inside_lower, inside_upper, NULL);
-}
-
-uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
-{
-    return part_await_skim(skimmer(world), from, blocks);
-}
-
-void world_cancel_prefetch(duet_world *world)
-{
-    for (int side = 0; side < 2; ++side)
-        if (is_prefetched(&world->parts[side]))
-            part_invalidate(&world->parts[side]);
 }

@@ -707,12 +707,11 @@ enum { BLOCKS = 100, OWN = BLOCKS / 2 };
 // Slabs of 100 blocks in order, cut behind so many objects, with 3 blocks of ghosts.
 static void begin_ranges_behind(input_ranges *s, uint32_t homes, bool expected_new)
 {
-    const grid g = {.generation = 1};
     const part_range slabs[2] = {
         {.key_to = 530, .home_to = 500, .homes = homes, .expected_ghosts = 3000},
         {.key_from = 500, .key_to = 1000, .home_to = 1000}};
     const input_ranges before = *s;
-    must(input_ranges_begin(s, &g, BLOCKS * INPUT_BLOCK, slabs, ERR));
+    must(input_ranges_begin(s, BLOCKS * INPUT_BLOCK, slabs, ERR));
     assert_int_equal(memcmp(&before, s, sizeof before) != 0, expected_new);
 }
 
