@@ -304,6 +304,16 @@ static int grid_pieces(part *from, part *to, grid_piece pieces[PIECES])
     return from->variant.search == SEARCH_PAPER ? 3 : 2;
 }
 
+// The place of a piece on the host: where the sender has it, or the next in the block.
+static void *place_on_host(const grid_piece *piece, char **next)
+{
+    char *at = *next;
+    if (piece->from->host)
+        return piece->from->host;
+    *next += piece->bytes;
+    return at;
+}
+
 bool part_send_grid(part *from, part *to, duet_error *err)
 {
     grid_piece pieces[PIECES];
@@ -314,14 +324,12 @@ bool part_send_grid(part *from, part *to, duet_error *err)
     if (!from->device->info.host_memory &&
         !host_block_reserve(&from->sent, from->devices, 2, total, err))
         return false;
-    char *at = from->sent.bytes;
-    for (int i = 0; i < n; ++i) {
-        void *host = pieces[i].from->host ? pieces[i].from->host : at;
-        if (!timeline_read(&from->times, "send grid", pieces[i].from, host, pieces[i].bytes, err))
-            return false;
-        at = pieces[i].from->host ? at : at + pieces[i].bytes;
-    }
-    return true;
+    char *next = from->sent.bytes;
+    bool ok = true;
+    for (int i = 0; ok && i < n; ++i)
+        ok = timeline_read(&from->times, "send grid", pieces[i].from,
+                           place_on_host(&pieces[i], &next), pieces[i].bytes, err);
+    return ok;
 }
 
 static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *err)
@@ -349,16 +357,13 @@ bool part_receive_grid(part *to, part *from, duet_error *err)
 {
     grid_piece pieces[PIECES];
     int n = grid_pieces(from, to, pieces);
-    char *at = from->sent.bytes;
+    char *next = from->sent.bytes;
     set_args(to);
-    if (!clear(to, 0, err))
+    bool ok = clear(to, 0, err);
+    for (int i = 0; ok && i < n; ++i)
+        ok = receive_piece(to, pieces[i], place_on_host(&pieces[i], &next), err);
+    if (!ok)
         return false;
-    for (int i = 0; i < n; ++i) {
-        void *host = pieces[i].from->host ? pieces[i].from->host : at;
-        if (!receive_piece(to, pieces[i], host, err))
-            return false;
-        at = pieces[i].from->host ? at : at + pieces[i].bytes;
-    }
     if (to->variant.search == from->variant.search && to->device->info.host_memory &&
         from->device->info.host_memory)
         return borrow_places(to, from, err);
