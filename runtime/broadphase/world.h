@@ -35,13 +35,24 @@ typedef struct step_half {
     duet_result result;
 } step_half;
 
+// A step makes these, each from the one before it, unless it is right already:
+//
+//     objects ---> grid ---> split ---> input ranges ---> selections ---> views of the objects
+//                    `---> views of the levels, and of lists of a slab's objects
+//
+//   grid     right if fitted_n > 0 and n is no more than REFIT_FACTOR from it; made again once an
+//            object does not fit (world_fit_grid)
+//   split    right until the grid is another, or a slab had no space for its objects; cut again for
+//            another share or n (split_cut)
+//   ranges   a guess, right until a device requests a block that it has not (input_ranges_begin)
+//   views    right if they have the rows of the array's generation; what is made from the grid is
+//            forgotten with it (view_update)
+//
 // Invariants:
 // 1. The objects lie in one place: their block or the resident buffer. Their rows are where the
 //    host sees them, and NULL only if they are resident and not seen.
-// 2. The grid suits the objects if fitted_n > 0 and n is no more than REFIT_FACTOR from it. What
-//    is made from it is forgotten when it changes: the split, the parts' levels and their lists.
-// 3. def.plan has no default left: its mode is asked_mode, or what suits the grid.
-// 4. Only a part's views know what lies on its device.
+// 2. def.plan has no default left: its mode is asked_mode, or what suits the grid.
+// 3. Only a part's views know what lies on its device.
 struct duet_world {
     duet_world_def def;
     uint32_t users;       // the creator, and shares that are kept on line
