@@ -40,7 +40,7 @@ static bool open(subject *s, duet_error *err)
     if (!world || !duet_world_set_scene(world, s->def->scene, err))
         return false;
     s->plan = *duet_world_get_plan(world);
-    s->units = world->n;
+    s->units = world->objects.all.n;
     return true;
 }
 
@@ -174,7 +174,7 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
 static bool hand_over_objects(duet_world *world, duet_error *err)
 {
     duet_object_kind kind = origin_row_kind(world->def.shape, world->def.origin_edge);
-    return duet_world_map_objects(world, kind, world->n, err);
+    return duet_world_map_objects(world, kind, world->objects.all.n, err);
 }
 
 static bool step(void *context, const duet_plan *plan, bool staged, measure_launch *launch,

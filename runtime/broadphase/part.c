@@ -60,7 +60,7 @@ const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                  BUFFER("id_changes", "uint4 *", id_changes),
                                  BUFFER("pair_counts", "uint *", pair_counts),
                                  BUFFER("left", "uint2 *", left),
-                                 BIND_VALUE(part, "stamp", requests.epoch),
+                                 BIND_VALUE(part, "stamp", requests.last.epoch),
                                  BIND_VALUE(part, "n_keys", args.n),
                                  BIND_VALUE(part, "place_capacity", place_capacity),
                                  BIND_VALUE(part, "n_blocks", scan.n_blocks),
@@ -154,6 +154,13 @@ void part_invalidate(part *p)
     p->zero_words = 0;
 }
 
+void part_forget_grid(part *p)
+{
+    view_forget(&p->levels);
+    if (p->objects.there.kind == SELECT_LIST)
+        view_forget(&p->objects);
+}
+
 void part_drop_prefetch(part *p)
 {
     if (view_is_prefetched(&p->objects, p->objects.generation))
@@ -166,12 +173,6 @@ void part_begin(part *p, uint64_t step)
     part_drop_prefetch(p);
     timeline_begin_step(&p->times, p->device, step);
     p->result = (part_result){.found.first_bad = UINT32_MAX};
-}
-
-block_requests part_requests(const part *p)
-{
-    const buffer *words = &p->requests.words;
-    return (block_requests){words->host ? words->host : p->requests.seen.bytes, p->requests.epoch};
 }
 
 uint64_t part_bytes(const part *p)

@@ -133,7 +133,7 @@ static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large
     if (!copy_objects(m, poses, large_poses, bodies, n, err))
         return false;
     effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
-    m->effects = effect_infer(&m->def, &m->facts);
+    m->effects = effect_infer(&m->def, m->facts);
     m->products = products_of_saved(false);
     m->extent = mean_least_extent(m);
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;

@@ -119,6 +119,14 @@ static bool cut(const device_root *root, uint32_t first, uint32_t last, cl_devic
     return true;
 }
 
+// Holding a root device does nothing.
+static void hold_id(device *d, cl_device_id id)
+{
+    clRetainDevice(id);
+    d->id = id;
+    device_object_made();
+}
+
 static bool choose_id(device *d, const char *selector, duet_error *err)
 {
     const char *part = strchr(selector, '[');
@@ -126,15 +134,15 @@ static bool choose_id(device *d, const char *selector, duet_error *err)
     const device_root *root = find_root(selector, length, err);
     if (!root)
         return false;
-    d->id = root->id;
     d->info = root->info;
-    if (!part)
+    if (!part) {
+        hold_id(d, root->id);
         return true;
+    }
     uint32_t first = 0;
     uint32_t last = 0;
     if (!check_part(root, selector, &first, &last, err) || !cut(root, first, last, &d->id, err))
         return false;
-    d->owns_part = true;
     device_info_read(d->id, &d->info);
     d->info.can_cut = false; // parts are named by the units of the whole
     snprintf(d->info.selector, sizeof d->info.selector, "%.40s[%u-%u]", root->info.selector, first,
@@ -174,7 +182,7 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
-        d->driver = driver_of(&d->info);
+        d->quirks = driver_quirks(&d->info);
         return true;
     }
     device_close(d);
@@ -229,9 +237,10 @@ static void know_id(device *d)
 static bool hold_context(device *d, cl_command_queue queue, duet_error *err)
 {
     cl_context context = NULL;
+    cl_device_id id = NULL;
     cl_int code = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context, &context, NULL);
     if (code == CL_SUCCESS)
-        code = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof d->id, &d->id, NULL);
+        code = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof id, &id, NULL);
     if (code == CL_SUCCESS)
         code = clRetainCommandQueue(queue);
     if (code != CL_SUCCESS)
@@ -239,9 +248,7 @@ static bool hold_context(device *d, cl_command_queue queue, duet_error *err)
     d->callers = queue;
     device_object_made();
     share_context(d, context);
-    clRetainDevice(d->id);
-    d->owns_part = true;
-    device_object_made();
+    hold_id(d, id);
     know_id(d);
     return true;
 }
@@ -293,7 +300,7 @@ void device_close(device *d)
         clReleaseContext(d->context);
         device_object_gone();
     }
-    if (d->owns_part) {
+    if (d->id) {
         if (is_alone) // a part that may still be read lasts as long as the process
             clReleaseDevice(d->id);
         device_object_gone();

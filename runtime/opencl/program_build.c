@@ -30,7 +30,6 @@ static bool build_binary(const program_set *set, program *p)
     }
     device_object_made();
     p->cl = cl;
-    p->is_new = true;
     return true;
 }
 
@@ -41,7 +40,10 @@ static uint32_t build_binaries(program_set *set)
     for (program *p = set->first; p; p = p->next) {
         if (p->cl)
             continue;
-        left += !p->binary || !build_binary(set, p);
+        bool built = p->binary && build_binary(set, p);
+        left += !built;
+        if (built)
+            program_pool_put(set->device->built, p);
         free(p->binary);
         p->binary = NULL;
     }
@@ -120,7 +122,6 @@ static bool build_sources(const program_set *set, program *p, cl_uint n, const c
     }
     device_object_made();
     p->cl = cl;
-    p->is_new = true;
     return true;
 }
 
@@ -129,7 +130,7 @@ static bool build_declared(const program_set *set, program *p)
 {
     const char *sources[] = {set->built_ins, p->text};
     char options[96];
-    snprintf(options, sizeof options, "%s %s", PROGRAM_OPTIONS, set->device->driver.header_option);
+    snprintf(options, sizeof options, "%s %s", PROGRAM_OPTIONS, driver_header_option);
     return build_sources(set, p, 2, sources, options, NULL);
 }
 
@@ -151,15 +152,14 @@ typedef struct compilation {
     pthread_mutex_t lock;
     program *next;
     uint32_t taken, n;
-    bool failed; // no other is begun then
-    duet_error *err;
+    duet_error failure; // no other is begun then
 } compilation;
 
 static program *take_next(compilation *c)
 {
     const program_builder *b = &c->set->builder;
     pthread_mutex_lock(&c->lock);
-    program *p = c->failed ? NULL : c->next;
+    program *p = c->failure.status == DUET_STATUS_OK ? c->next : NULL;
     while (p && p->cl)
         p = p->next;
     if (p) {
@@ -188,20 +188,20 @@ static void compile_some(void *arg, uint64_t from, uint64_t to)
                 why = complaint;
             break;
         }
+        program_pool_put(c->set->device->built, p);
         keep_binary(c->set, p);
     }
     if (why.status == DUET_STATUS_OK)
         return;
     pthread_mutex_lock(&c->lock);
-    c->failed = true;
-    error_copy(c->err, &why);
+    error_copy(&c->failure, &why);
     pthread_mutex_unlock(&c->lock);
 }
 
 static uint32_t helpers_for(const program_set *set, uint32_t n)
 {
     enum { MOST_HELPERS = 3 };
-    if (n < 2 || set->device->driver.compiles_one_by_one)
+    if (n < 2 || set->device->quirks & (DRIVER_ONE_COMPILER | DRIVER_CRASHES))
         return 0;
     return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
 }
@@ -210,7 +210,7 @@ bool programs_build(program_set *set, duet_error *err)
 {
     const program_builder *b = &set->builder;
     uint32_t n = build_binaries(set), n_helpers = helpers_for(set, n);
-    compilation c = {.set = set, .next = set->first, .n = n, .err = err};
+    compilation c = {.set = set, .next = set->first, .n = n};
     thread_pool *helpers = n_helpers > 0 ? thread_pool_open(n_helpers, NULL) : NULL;
     pthread_mutex_init(&c.lock, NULL);
     thread_pool_share(helpers, compile_some, &c, n, 1);
@@ -218,5 +218,5 @@ bool programs_build(program_set *set, duet_error *err)
     pthread_mutex_destroy(&c.lock);
     if (b->on_compile && n > 0)
         b->on_compile(b->context, &set->device->info, NULL, n, n);
-    return !c.failed;
+    return c.failure.status == DUET_STATUS_OK || error_copy(err, &c.failure);
 }

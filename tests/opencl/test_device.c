@@ -128,7 +128,7 @@ static void check_contexts(const char *a, const char *b, bool is_one)
     assert_true((devices[0].context == devices[1].context) == is_one);
     assert_ptr_not_equal(devices[0].queue, devices[1].queue);
     assert_ptr_not_equal(devices[0].queue, devices[0].beside);
-    assert_int_equal(device_live_objects(), 2 * 3 + devices[0].owns_part + devices[1].owns_part);
+    assert_int_equal(device_live_objects(), 2 * 4);
     duet_device_pair_destroy(pair);
 }
 
@@ -173,7 +173,7 @@ TEST(without_selectors_a_whole_machine_is_chosen)
     const device *a = &pair->devices[0];
     const device *b = &pair->devices[1];
     assert_int_equal(a->info.kind, DUET_KIND_CPU);
-    assert_false(a->owns_part || b->owns_part);
+    assert_false(strchr(a->info.selector, '[') || strchr(b->info.selector, '['));
     assert_int_equal(duet_device_pair_is_one(pair), b->info.kind == DUET_KIND_CPU);
     assert_int_equal(duet_default_plan(pair).share, 0);
     duet_device_pair_destroy(pair);
@@ -363,8 +363,8 @@ TEST(pocls_cpus_are_known)
         duet_device_info info = {.kind = cases[i].kind};
         strcpy(info.platform, cases[i].platform);
         strcpy(info.cl_version, cases[i].version);
-        assert_int_equal(driver_of(&info).third_axis != NULL, cases[i].third);
-        assert_int_equal(driver_of(&info).in_place, cases[i].in_place);
+        assert_int_equal((driver_quirks(&info) & DRIVER_TWO_WIDTHS) != 0, cases[i].third);
+        assert_int_equal((driver_quirks(&info) & DRIVER_IN_PLACE) != 0, cases[i].in_place);
         uint32_t n = 0;
         for (const char *quirk; (quirk = duet_device_info_get_quirk(&info, n)); ++n)
             assert_non_null(strstr(quirk, ": Duet"));
@@ -553,7 +553,7 @@ static void compile_declared(const device *d, gen *g, const char *name, uint64_t
     must(gen_make(g, name, config, n_params, &limits, &v, ERR));
     const char *sources[] = {gen_built_ins(g), v.text};
     char options[64];
-    snprintf(options, sizeof options, "-cl-std=CL1.2 -w %s", driver_of(&d->info).header_option);
+    snprintf(options, sizeof options, "-cl-std=CL1.2 -w %s", driver_header_option);
     cl_program p = clCreateProgramWithSource(d->context, 2, sources, NULL, NULL);
     if (clCompileProgram(p, 1, &d->id, options, 0, NULL, NULL, NULL, NULL) != CL_SUCCESS)
         fail_msg("%s calls what kernels/built_ins.clh does not declare", v.name);
@@ -571,7 +571,7 @@ TEST(every_built_in_function_that_a_kernel_calls_is_declared)
     must(g && device_open(&d, selector, ERR));
     gen_limits limits = program_limits(&d.info);
     const char *name;
-    for (uint32_t i = 0; driver_of(&d.info).header_option && (name = gen_kernel(g, i)); ++i) {
+    for (uint32_t i = 0; (d.quirks & DRIVER_READS_HEADER) && (name = gen_kernel(g, i)); ++i) {
         uint64_t n = 0;
         must(gen_count(g, name, &limits, &n, ERR));
         compile_declared(&d, g, name, 0);
