@@ -186,7 +186,7 @@ static void solve(moving *m, solve_pass pass, duet_error *own)
 static bool has_shocks(const moving *m)
 {
     const duet_motion *motion = m->domains[0].motion;
-    return (motion->effects & DUET_EFFECT_SHOCKS) && motion->facts.elastic;
+    return (motion->effects & DUET_EFFECT_SHOCKS) && (motion->facts & FACT_ELASTIC);
 }
 
 // Sweeps go on while something bounced in any domain.
@@ -225,7 +225,7 @@ static bool run_substeps(moving *m, duet_error *own)
     bool ok = true;
     for (uint32_t i = 0; ok && i < m->domains[0].motion->def.substeps; ++i)
         ok = substep(m, own);
-    if (ok && m->domains[0].motion->facts.elastic && !has_shocks(m))
+    if (ok && (m->domains[0].motion->facts & FACT_ELASTIC) && !has_shocks(m))
         solve(m, SOLVE_RESTORE, own);
     return ok;
 }
