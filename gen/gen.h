@@ -21,6 +21,10 @@ typedef struct gen gen;
 gen *gen_open(const char *kernel_dir, duet_error *err);
 void gen_close(gen *g);
 
+// Adds a kernel that no file has, in the place of one of that name. Card and text are copied. What
+// was read of the kernels before is no longer valid.
+bool gen_add(gen *g, const char *name, const char *card_text, const char *body, duet_error *err);
+
 // Limits of a device, which decide which configs are valid.
 typedef struct gen_limits {
     uint32_t max_group;
