@@ -176,7 +176,10 @@ const char *gen_kernel(const gen *g, uint32_t i)
 
 const char *gen_built_ins(const gen *g)
 {
-    return g->dir ? NULL : blob_find("kernels/built_ins.clh")->bytes;
+    bool carried = !g->dir;
+    for (uint32_t i = 0; i < g->n_kernels; ++i)
+        carried &= !g->kernels[i].given_text;
+    return carried ? blob_find("kernels/built_ins.clh")->bytes : NULL;
 }
 
 // ---------------------------------------------------------------- what varies

@@ -99,8 +99,8 @@ void gen_variant_free(gen_variant *variant);
 // The kernels there are: NULL past the end.
 const char *gen_kernel(const gen *g, uint32_t i);
 
-// Declarations of all built-in functions that the carried kernels call; NULL if the kernels
-// are a folder's, which may call others.
+// Declarations of all built-in functions that the carried kernels call; NULL if some kernels
+// are a folder's or were added, which may call others.
 const char *gen_built_ins(const gen *g);
 
 // A parameter that a kernel lets vary. The strings and values are the gen's.
