@@ -54,8 +54,6 @@ program_set *program_set_open(const device *d, gen *g, const program_builder *bu
         set->builder = *builder;
     if (program_builder_keeps(&set->builder, &d->info))
         set->cache_dir = set->builder.cache_dir;
-    if (d->quirks & DRIVER_READS_HEADER)
-        set->built_ins = gen_built_ins(g);
     return set;
 }
 

@@ -125,11 +125,13 @@ static bool build_sources(const program_set *set, program *p, cl_uint n, const c
     return true;
 }
 
-// With declarations of ours in the place of the driver's header.
+// With declarations of ours in the place of the driver's header, if there are some and it has one.
 static bool build_declared(const program_set *set, program *p)
 {
-    const char *sources[] = {set->built_ins, p->text};
+    const char *built_ins = gen_built_ins(set->gen), *sources[] = {built_ins, p->text};
     char options[96];
+    if (!built_ins || !(set->device->quirks & DRIVER_READS_HEADER))
+        return false;
     snprintf(options, sizeof options, "%s %s", PROGRAM_OPTIONS, driver_header_option);
     return build_sources(set, p, 2, sources, options, NULL);
 }
@@ -138,7 +140,7 @@ static bool build_declared(const program_set *set, program *p)
 // count.
 bool program_compile(const program_set *set, program *p, duet_error *err)
 {
-    if (set->built_ins && build_declared(set, p))
+    if (build_declared(set, p))
         return true;
     const char *source = p->text;
     return build_sources(set, p, 1, &source, PROGRAM_OPTIONS, err);

@@ -33,7 +33,6 @@ struct program_set {
     gen_limits limits;
     program_builder builder;
     const char *cache_dir; // NULL: this device's programs are not kept there
-    const char *built_ins; // text in the place of the driver's header, or NULL
     program *first;
 };
 

@@ -810,6 +810,47 @@ static duet_task *make_task(void)
     return must(duet_task_create(&def, ERR));
 }
 
+// What a program says in the place of a task file.
+static void describe_task(void)
+{
+    const duet_setting nameless = {NULL, "1"}, without_value = {"n", NULL};
+    const duet_task_arg_def y = {.name = "y", .type = "int", .elements = 4, .access = "sum"};
+    const duet_task_arg_def without_name = {.type = "int"};
+    const duet_kernel_text whole = {"k", "return {}", ""},
+                           lacking[] = {{NULL, whole.card, whole.text},
+                                        {"k", NULL, whole.text},
+                                        {"k", whole.card, NULL}};
+    duet_task_def good = duet_default_task_def(), def = good;
+    REFUSES(duet_task_file_create(NULL, e));
+    REFUSES(duet_task_file_create(&(duet_task_def){.kernel = "k"}, e));
+    REFUSES(duet_task_file_create(&def, e));
+    good.kernel = "k";
+    good.items = 4;
+    good.args = &y;
+    good.n_args = 1;
+    good.kernels = &whole;
+    good.n_kernels = 1;
+    duet_task_file *made = duet_task_file_create(&good, ERR);
+    assert_non_null(made);
+    duet_task_file_destroy(made);
+    REFUSES(duet_task_create(&good, e)); // on no pair
+    REFUSES((def = good, def.args = NULL, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.args = &without_name, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.n_args = 0, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.items = 0, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.items = UINT64_MAX, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.work = UINT64_MAX, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.tolerance = NAN, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.n_key = 1, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.key = &nameless, def.n_key = 1, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.key = &without_value, def.n_key = 1, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.kernels = NULL, duet_task_file_create(&def, e)));
+    for (int i = 0; i < 3; ++i)
+        REFUSES((def = good, def.kernels = &lacking[i], duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.path = "twice.task.lua", def.n_settings = 1,
+             duet_task_file_create(&def, e)));
+}
+
 static void create_task(void)
 {
     const duet_setting nameless = {NULL, "1"}, without_value = {"n", NULL};
@@ -824,6 +865,7 @@ static void create_task(void)
     REFUSES(duet_task_file_load("twice.task.lua", NULL, 1, e));
     REFUSES(duet_task_file_load("twice.task.lua", &nameless, 1, e));
     REFUSES(duet_task_file_load("twice.task.lua", &without_value, 1, e));
+    describe_task();
     duet_task_file_destroy(NULL);
     duet_task_destroy(NULL);
     assert_null(duet_task_get_arg(NULL, 0));
@@ -1054,7 +1096,8 @@ static const struct {
      "duet_motion_set_def duet_motion_get_def duet_motion_apply_forces duet_motion_apply_impulses",
      command_motion},
     {"duet_task_create duet_task_destroy duet_default_task_def duet_task_file_load "
-     "duet_task_file_destroy duet_task_get_arg duet_task_get_items duet_task_get_plan",
+     "duet_task_file_create duet_task_file_destroy duet_task_get_arg duet_task_get_items "
+     "duet_task_get_plan",
      create_task},
     {"duet_task_set_number duet_task_set_integer duet_task_set_array duet_task_get_array "
      "duet_task_set_buffer duet_task_set_plan duet_task_load_profile duet_task_run",

@@ -501,6 +501,48 @@ TEST(a_folder_takes_only_the_common_header_from_carried_files)
     gen_close(g);
 }
 
+static void expect_same_text(gen *g, gen *other, const char *name)
+{
+    gen_variant v, w;
+    must(gen_make(g, name, NULL, 0, &gpu, &v, ERR));
+    must(gen_make(other, name, NULL, 0, &gpu, &w, ERR));
+    assert_string_equal(v.text, w.text);
+    assert_string_equal(v.sha256, w.sha256);
+    gen_variant_free(&v);
+    gen_variant_free(&w);
+}
+
+TEST(an_added_kernel_is_the_kernel_of_a_folder)
+{
+    static const char card[] = CARD("{ 'A', values = { 1, 2 } }", ""), body[] = "int a = A;";
+    duet_error err = {0};
+    char of_ours[sizeof body];
+    strcpy(of_ours, body);
+    test_make_folder(folder);
+    write_file("k.lua", card);
+    write_file("k.cl", body);
+    gen *g = kept(gen_open(folder, ERR)), *carried = kept(gen_open(NULL, ERR));
+    assert_non_null(gen_built_ins(carried));
+    must(gen_add(carried, "k", card, of_ours, ERR));
+    memset(of_ours, 0, sizeof of_ours);
+    assert_null(gen_built_ins(carried)); // it may call any
+    expect_same_text(g, carried, "k");
+    must(gen_add(carried, "k", card, "int other;\n", ERR)); // in the place of the first
+    write_file("k.cl", "int other;\n");
+    expect_same_text(kept(gen_open(folder, ERR)), carried, "k");
+    must(gen_add(carried, "scan", card, body, ERR)); // and of a carried one
+    gen_variant v;
+    must(gen_make(carried, "scan", NULL, 0, &gpu, &v, ERR));
+    assert_non_null(strstr(v.text, "int a = A;"));
+    gen_variant_free(&v);
+    assert_false(gen_add(carried, "a/b", card, body, &err));
+    expect(err, DUET_STATUS_BAD_ARGUMENT, "a kernel's name is 'a/b'");
+    must(gen_add(carried, "bad", "return {", body, ERR));
+    err = (duet_error){0};
+    assert_false(gen_make(carried, "bad", NULL, 0, &gpu, &v, &err));
+    expect(err, DUET_STATUS_BUILD_FAILED, "the card of bad:1");
+}
+
 // ------------------------------------------------------- damage
 
 static void damage(char *chars, rng *r)
