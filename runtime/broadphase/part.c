@@ -4,6 +4,7 @@
 
 #include "runtime/opencl/device_pair.h"
 
+#include <assert.h>
 #include <stddef.h>
 
 // A chunk is at least 5 MB: it travels for 0.1 ms, a launch takes some 3 microseconds.
@@ -143,6 +144,14 @@ void part_close(part *p)
     program_set_close(p->programs);
     gen_close(p->gen);
     *p = (part){0};
+}
+
+void part_enter(part *p, part_state to)
+{
+    assert(p->state == PART_BEGUN || p->state == PART_HAS_GRID || to == PART_BEGUN);
+    assert(to != PART_HAS_GRID || p->state == PART_BEGUN);
+    assert(to != PART_DONE || p->state == PART_HAS_GRID);
+    p->state = to;
 }
 
 void part_invalidate(part *p)

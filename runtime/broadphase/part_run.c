@@ -4,16 +4,6 @@
 
 #include "base/clock.h"
 
-#include <assert.h>
-
-void part_enter(part *p, part_state to)
-{
-    assert(p->state == PART_BEGUN || p->state == PART_HAS_GRID || to == PART_BEGUN);
-    assert(to != PART_HAS_GRID || p->state == PART_BEGUN);
-    assert(to != PART_DONE || p->state == PART_HAS_GRID);
-    p->state = to;
-}
-
 void part_take(part *p, const part_task *task)
 {
     part_enter(p, PART_BEGUN);
