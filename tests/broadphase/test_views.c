@@ -69,9 +69,8 @@ static void prefetch(duet_world *world, rng *r, int s)
     duet_error err = {0};
     const size_t row = world_kind_bytes(world->kind);
     const uint32_t n = sets[s].n, first = 1 + rng_below(r, n);
-    char *to = duet_world_map_objects(world, world->kind, n, &err);
+    char *to = must(duet_world_map_objects(world, world->kind, n, ERR));
     to = to ? duet_world_map_objects(world, world->kind, first, &err) : NULL;
-    assert_ok(to != NULL, err);
     memcpy(to, rows_of(world, s), first * row);
     world_prefetch(world, first);
     for (int side = 0; side < 2; ++side)
