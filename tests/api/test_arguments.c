@@ -7,7 +7,6 @@
 #include "support/task_files.h"
 #include "support/test.h"
 
-#include "runtime/duet.h"
 #include "runtime/duet_opencl.h"
 #include "tuner/duet_tune.h"
 
@@ -658,13 +657,11 @@ static void references(void)
 static void create_motion(void)
 {
     duet_motion_def def = duet_default_motion_def();
-    duet_error err = {0};
     REFUSES(duet_motion_create(NULL, &pose, NULL, 1, e));
     REFUSES(duet_motion_create(&def, &pose, NULL, 1, e));
     def.pair = pair;
     REFUSES(duet_motion_create(&def, NULL, NULL, 1, e));
-    assert_null(duet_motion_create(&def, &pose, NULL, UINT32_MAX, &err));
-    assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
+    must_fail(duet_motion_create(&def, &pose, NULL, UINT32_MAX, ERR), DUET_STATUS_TOO_MANY, "");
     REFUSES(duet_motion_create_from_scene(NULL, scene, NULL, e));
     REFUSES(duet_motion_create_from_scene(&def, NULL, NULL, e));
     duet_motion_destroy(NULL);
@@ -1180,10 +1177,9 @@ static void check_call(const char *header, const char *name, bool takes_an_error
 // The name before the first bracket behind DUET_API.
 static void check_header(const char *header)
 {
-    duet_error err = {0};
     text path = {0}, file = {0};
     text_add(&path, "%s/../../%s", getenv("DUET_TEST_DATA"), header);
-    assert_ok(text_read_file(&file, text_chars(&path), &err), err);
+    must(text_read_file(&file, text_chars(&path), ERR));
     for (char *at = strstr(file.chars, "\nDUET_API "); at; at = strstr(at + 1, "\nDUET_API ")) {
         char *bracket = strchr(at, '('), *begin = bracket, *end = strchr(at, ';');
         while (begin > at && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'))

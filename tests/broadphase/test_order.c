@@ -544,12 +544,10 @@ TEST(a_step_leaves_its_counts_at_zero_for_the_next_one)
     for (int i = 0; i < 3; ++i)
         assert_counts_from_zero(world, N - i, none);
     assert_counts_from_zero(world, N / 4, none); // another grid, of fewer cells
-    duet_error err = {0};
     for (uint32_t i = 0; i < N; ++i)
         poses[4 * N - 1 - i].centre[0] = 1.0f; // a crowd
     set_poses(world, 4 * N);
-    assert_false(duet_world_step(world, &(duet_result){0}, &err));
-    assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
+    must_fail(duet_world_step(world, &(duet_result){0}, ERR), DUET_STATUS_TOO_MANY, "");
     assert_counts_from_zero(world, N, both);
     assert_counts_from_zero(world, N, none);
 }
@@ -817,14 +815,11 @@ TEST(a_bad_object_is_named_wherever_it_strays)
     poses[N - 2].centre[0] = INFINITY;
     poses[40].half_extents[0] = -1.0f;
     for (int s = 0; s < SHARES; ++s) {
-        duet_error err = {0};
         duet_result result;
         set_share(world, shares[s]);
         set_poses(world, N);
-        assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        assert_non_null(strstr(err.text, "object 40 "));
-        assert_non_null(strstr(err.text, "3 such objects"));
+        must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 40 ");
+        assert_non_null(strstr(ERR->text, "3 such objects"));
     }
 }
 

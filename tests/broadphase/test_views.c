@@ -66,12 +66,10 @@ static uint32_t n_prefetched, n_listed, n_in_ranges;
 // The first objects are sent while the others are written, unless that is stopped.
 static void prefetch(duet_world *world, rng *r, int s)
 {
-    duet_error err = {0};
     const size_t row = world_kind_bytes(world->objects.kind);
     const uint32_t n = sets[s].n, first = 1 + rng_below(r, n);
-    char *to = duet_world_map_objects(world, world->objects.kind, n, &err);
-    to = to ? duet_world_map_objects(world, world->objects.kind, first, &err) : NULL;
-    assert_ok(to != NULL, err);
+    must(duet_world_map_objects(world, world->objects.kind, n, ERR));
+    char *to = must(duet_world_map_objects(world, world->objects.kind, first, ERR));
     memcpy(to, rows_of(world, s), first * row);
     world_prefetch(world, first);
     for (int side = 0; side < 2; ++side)

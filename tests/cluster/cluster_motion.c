@@ -8,7 +8,6 @@
 #include "cluster/moving_domains.h"
 #include "cluster/must.h"
 
-#include "base/error.h"
 #include "base/rng.h"
 #include "base/text.h"
 #include "base/text_file.h"

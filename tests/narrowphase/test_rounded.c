@@ -10,7 +10,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { RANDOM_PAIRS = 1500, WHOLE_PAIRS = 40000 };
 

@@ -7,7 +7,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/driver.h"
 

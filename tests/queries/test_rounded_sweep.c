@@ -552,17 +552,12 @@ TEST(what_is_no_sweep_of_the_shape_is_refused)
     duet_sweep_query_result found;
     const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        duet_error err = {0};
         sweeps[1].box.radius = wrong[i];
-        assert_false(
-            duet_sweep_query_run(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2, &found, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        if (!strstr(err.text, "sweep 1: "))
-            fail_msg("%s", err.text);
+        must_fail(duet_sweep_query_run(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2, &found, ERR),
+                  DUET_STATUS_BAD_OBJECT, "sweep 1: ");
     }
-    duet_error err = {0};
-    assert_false(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, &err));
-    assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
+    must_fail(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "the tree is of rounded boxes");
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -128,6 +128,18 @@ void *test_alloc(size_t bytes)
     return test_keep(zeros, free);
 }
 
+void test_must_fail(bool failed, const char *call, duet_status status, const char *says,
+                    const char *file, int line)
+{
+    const duet_error *err = ERR;
+    bool right = err->status == status || (status == ANY_FAILURE && err->status != DUET_STATUS_OK);
+    if (failed && right && strstr(err->text, says) && !strchr(err->text, '\n'))
+        return;
+    print_error("%s: %s: %s '%s', not %s '%s'\n", call, failed ? "failed" : "did not fail",
+                duet_status_name(err->status), err->text, duet_status_name(status), says);
+    _fail(file, line);
+}
+
 static int begin_test(void **state)
 {
     static int n_begun;
