@@ -35,10 +35,15 @@ static void write_point(const void *context, uint64_t i, void *row)
     memcpy(row, &points[i], sizeof *points);
 }
 
+uint64_t moving_sampled(uint64_t n)
+{
+    return 1 + n / SAMPLE_A_DOMAIN;
+}
+
 // Centres of own bodies, evenly over them; each stands for as many.
 static void sample(const moving *m, const moving_domain *d, item_list *points)
 {
-    uint64_t every = 1 + d->n_own / SAMPLE_A_DOMAIN, n = 0;
+    uint64_t every = moving_sampled(d->n_own), n = 0;
     for (uint64_t i = 0; i < d->bodies.n; ++i) {
         const moving_body *b = moving_body_at(m, &d->bodies, i);
         bisection_point point = {.weight = (double)every};
@@ -51,23 +56,29 @@ static void sample(const moving *m, const moving_domain *d, item_list *points)
 
 // Rank 0 cuts, so that all ranks have the same planes even if their machines round in different
 // ways.
-bool moving_cut(moving *m, duet_error *own)
+bool moving_cut_by(moving *m, const item_list *points, duet_error *own)
 {
-    item_list points = {0};
-    const sampling s = {&points};
+    const sampling s = {points};
     parcels in = {0};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        sample(m, &m->domains[k], &points);
-    if (is_well(own) && points.failed)
+    if (is_well(own) && points->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
-    bool ok = parcels_deal(m->ranks, is_well(own), sizeof(bisection_point), points.n, first_rank,
+    bool ok = parcels_deal(m->ranks, is_well(own), sizeof(bisection_point), points->n, first_rank,
                            write_point, &s, &in, own);
     if (ok && m->ranks->self == 0)
         bisection_cut(&m->cuts, NULL, in.rows, in.n);
     if (ok)
         ranks_broadcast(m->ranks, m->cuts.planes, m->n_domains * sizeof *m->cuts.planes);
+    parcels_end(&in);
+    return ok;
+}
+
+bool moving_cut(moving *m, duet_error *own)
+{
+    item_list points = {0};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        sample(m, &m->domains[k], &points);
+    bool ok = moving_cut_by(m, &points, own);
     m->next_cut = m->counts.step + LEAST_STEPS;
     free(points.items);
-    parcels_end(&in);
     return ok;
 }

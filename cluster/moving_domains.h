@@ -49,8 +49,9 @@ typedef struct moving_domain {
 
 struct moving {
     ranks *ranks;
-    duet_scene *scene; // whole, on each rank
-    duet_motion_def def;
+    duet_motion_def def; // as are, of the whole scene
+    effect_facts facts;
+    double extent;
     uint32_t parts; // domains of each rank
     uint32_t n_domains, n_all;
     size_t body_bytes, contact_bytes;
@@ -133,6 +134,9 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);
 
+// Brings own bodies to the domains that their centres lie in. Collective.
+bool moving_migrate(moving *m, duet_error *own);
+
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own);
 
@@ -140,11 +144,15 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own);
 bool moving_cut_is_due(const moving *m);
 bool moving_cut(moving *m, duet_error *own);
 
+// Cuts by points (bisection_point), for which one in so many of n bodies is enough.
+bool moving_cut_by(moving *m, const item_list *points, duet_error *own);
+uint64_t moving_sampled(uint64_t n);
+
 // Sorts a domain's bodies and contacts, and makes them those of its motion.
 void moving_replace(moving *m, moving_domain *d, duet_error *own);
 
-// Makes all domains' motions, of all bodies, those of a file; not collective.
-bool moving_load(moving *m, const char *path, duet_error *own);
+// Makes a motion of all bodies that of a file; not collective.
+bool moving_load(duet_motion *whole, const char *path, duet_error *own);
 
 // Adds the contacts of a domain's motion, each for the domains that own its ends.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);

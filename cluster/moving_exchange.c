@@ -66,20 +66,28 @@ static item_list *contacts_of(moving_domain *d)
 
 // ---------------------------------------------------------------- own bodies
 
-static bool migrate(moving *m, duet_error *own)
+// Ghosts go, and own bodies that another domain's box holds are sent there.
+static void leave(moving *m, moving_domain *d, item_list *out)
+{
+    uint64_t kept = 0;
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        moving_body *b = moving_body_at(m, &d->bodies, i);
+        if (!moving_is_own(d, b))
+            continue;
+        b->domain = b->own = moving_domain_of(m, b);
+        if (!moving_is_own(d, b))
+            list_add(out, b, 1, m->body_bytes);
+        else
+            memmove(moving_body_at(m, &d->bodies, kept++), b, m->body_bytes);
+    }
+    d->bodies.n = kept;
+}
+
+bool moving_migrate(moving *m, duet_error *own)
 {
     item_list out = {0};
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        moving_domain *d = &m->domains[k];
-        for (uint64_t i = 0; i < d->bodies.n; ++i) {
-            moving_body *b = moving_body_at(m, &d->bodies, i);
-            if (!moving_is_own(d, b))
-                continue;
-            b->domain = b->own = moving_domain_of(m, b);
-            list_add(&out, b, 1, m->body_bytes);
-        }
-        list_clear(&d->bodies);
-    }
+    for (uint32_t k = 0; k < m->parts; ++k)
+        leave(m, &m->domains[k], &out);
     bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
     for (uint32_t k = 0; k < m->parts; ++k)
         m->domains[k].n_own = (uint32_t)m->domains[k].bodies.n;
@@ -320,9 +328,7 @@ static void reserve_used(moving_domain *d, duet_error *own)
 
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
 {
-    for (uint32_t k = 0; k < m->parts; ++k)
-        list_clear(&m->domains[k].contacts);
-    bool ok = migrate(m, own);
+    bool ok = moving_migrate(m, own);
     if (ok && moving_pushes(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
