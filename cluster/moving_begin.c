@@ -273,6 +273,7 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
         m->ranks = r;
         m->parts = start->parts;
         m->n_domains = m->parts * (uint32_t)r->n;
+        m->balance.model = work_begin();
         ok = fill(m, known, start, own);
     }
     duet_motion_destroy(known);

@@ -321,7 +321,9 @@ static void reserve_used(moving_domain *d, duet_error *own)
 {
     uint32_t *used = realloc(d->used, (d->bodies.n + 1) * sizeof *used);
     d->used = used ? used : d->used;
-    if (!used)
+    if (used)
+        memset(used, 0, d->bodies.n * sizeof *used);
+    else
         error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
 }
@@ -339,10 +341,7 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
         moving_note_touching(m, own);
     ok = ok && halo_settle(&m->halo, m, own);
     tally t = {.sums = {m->n_ghosts}};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        t.greatest[0] = greater(t.greatest[0], m->domains[k].n_own);
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];
-    m->most_own = t.greatest[0];
     return ok;
 }

@@ -340,7 +340,8 @@ static bool settle_where_due(moving *m, duet_error *own)
     tally t = {.sums = {0}};
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
-    if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
+    moving_note_work(m, &t);
+    if (!ranks_agree_and(m->ranks, is_well(own), &t, own) || !moving_compare_work(m, &t, own))
         return false;
     return (t.sums[0] == 0 && !moving_cut_is_due(m)) || moving_settle(m, own);
 }
