@@ -277,6 +277,7 @@ static bool respond(moving *m, duet_error *own)
     halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     if (!run_substeps(m, own))
         return false;
+    halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
         push_sleepers(m, own);
