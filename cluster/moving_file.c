@@ -58,7 +58,7 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
                      duet_error *own)
 {
     moving_domain whole = {
-        .motion = duet_motion_create_from_scene(&m->def, m->scene, NULL, own),
+        .motion = domain_create(&m->def, &m->facts, m->extent, own),
         .bodies = {.items = bodies->rows, .n = bodies->n},
         .contacts = {.items = contacts->rows, .n = contacts->n},
     };
@@ -93,18 +93,12 @@ bool moving_save(moving *m, const char *path, duet_error *own)
 // ---------------------------------------------------------------- loading
 
 // Bodies that commands hid are in no domain.
-bool moving_load(moving *m, const char *path, duet_error *own)
+bool moving_load(duet_motion *whole, const char *path, duet_error *own)
 {
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        duet_motion *motion = m->domains[k].motion;
-        if (!duet_motion_load(motion, path, own))
-            return false;
-        if (!domain_forget_commands(motion))
-            return error_set(own, DUET_STATUS_BAD_INPUT,
-                             "%s: bodies were removed, disabled, pushed or aimed; several domains "
-                             "have no such bodies yet",
-                             path);
-    }
-    m->counts.step = m->domains[0].motion->step;
-    return true;
+    return duet_motion_load(whole, path, own) &&
+           (domain_forget_commands(whole) ||
+            error_set(own, DUET_STATUS_BAD_INPUT,
+                      "%s: bodies were removed, disabled, pushed or aimed; several domains have no "
+                      "such bodies yet",
+                      path));
 }

@@ -181,6 +181,9 @@ static const member motion_members[] = {
     MEMBER(member_count, duet_cluster_motion_result, contacts),
     MEMBER(member_count, duet_cluster_motion_result, colours),
     MEMBER(member_double, duet_cluster_motion_result, total_ms),
+    MEMBER(member_double, duet_cluster_motion_result, slowest_ms),
+    MEMBER(member_double, duet_cluster_motion_result, mean_ms),
+    MEMBER(member_count, duet_cluster_motion_result, slowest_rank),
     {0},
 };
 
