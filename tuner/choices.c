@@ -3,6 +3,7 @@
 #include "tuner/tune.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static const char *const default_variants[] = {"auto", "simd", "auto sort=radix", "paper"};
 
@@ -20,6 +21,15 @@ uint32_t tune_count_variants(const duet_tune_def *def)
     while (tune_variant(def, n))
         ++n;
     return n;
+}
+
+bool tune_has_variant(const duet_tune_def *def, const char *variant)
+{
+    const char *other;
+    for (uint32_t i = 0; (other = tune_variant(def, i)); ++i)
+        if (strcmp(other, variant) == 0)
+            return true;
+    return false;
 }
 
 uint32_t tune_count_modes(const duet_tune_def *def)

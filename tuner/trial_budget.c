@@ -35,7 +35,7 @@ uint32_t trial_budget_most(const tune_problem *problem, uint32_t kernels)
     uint32_t most = kernels +
                     (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
                     modes * searched + most_rivals(def) * race_default_options().most_rounds +
-                    (problem->fair ? 4 : 3) * trial_budget_last_race.most_rounds +
+                    (problem->fair ? 5 : 3) * trial_budget_last_race.most_rounds +
                     (problem->whole.open ? 2 * race_default_options().most_rounds : 0);
     return def->budget_trials > 0 && def->budget_trials < most ? def->budget_trials : most;
 }

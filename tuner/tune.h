@@ -50,15 +50,16 @@ typedef struct tune_problem {
     duet_plan plan;                 // its variants are the defaults that must work
     uint32_t start;                 // a share that is likely near the best; 0: none is known
     uint32_t fair;                  // by units, of devices of one kind; 0: none
-    duet_mode fair_mode;            // with `fair`: another share or mode must be proven faster
-    void *script;                   // the strategy "lua" runs it
-    uint32_t least_share;           // shares nearer than this are the same
+    duet_mode fair_mode;  // with `fair`: another share, mode or variant must be proven faster
+    void *script;         // the strategy "lua" runs it
+    uint32_t least_share; // shares nearer than this are the same
 } tune_problem;
 
 // The variants to choose from, in order: those that are asked for, or else ours. NULL
 // past the end.
 const char *tune_variant(const duet_tune_def *def, uint32_t i);
 uint32_t tune_count_variants(const duet_tune_def *def);
+bool tune_has_variant(const duet_tune_def *def, const char *variant);
 
 // Modes that may be searched; some fit no pair of variants.
 uint32_t tune_count_modes(const duet_tune_def *def);

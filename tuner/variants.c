@@ -42,20 +42,11 @@ bool variants_share_of_a(tuning *t, uint32_t *share, duet_error *err)
     return true;
 }
 
-static bool is_listed(const duet_tune_def *def, const char *variant)
-{
-    const char *other;
-    for (uint32_t i = 0; (other = tune_variant(def, i)); ++i)
-        if (strcmp(other, variant) == 0)
-            return true;
-    return false;
-}
-
 // No verdict follows for a device that shares with none. So the winner of the quick race is used
 // only if it is surely faster than the usual variant, if that is among those to try.
 static bool confirm_variant(tuning *t, const char *usual, duet_error *err)
 {
-    if (!is_listed(t->problem->def, usual) || strcmp(t->plan.variant_b, usual) == 0)
+    if (!tune_has_variant(t->problem->def, usual) || strcmp(t->plan.variant_b, usual) == 0)
         return true;
     field f = {0};
     duet_plan plan = tuning_plan(t, 0, DUET_MODE_OWN);

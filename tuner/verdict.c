@@ -146,48 +146,77 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
     return error_copy(err, &t->failure);
 }
 
-// The plan to expect of two devices of one kind: the share by their units in the mode of the
-// default plan, or if that was not searched in the mode of the best shared plan. Share 0: none.
-static duet_plan expected_plan(const tuning *t, const mode_found *founds, uint32_t n,
-                               const duet_plan *shared)
+// What to expect of two devices of one kind: the share by their units in the mode of the default
+// plan, or if that was not searched in the mode of the best shared plan; first with the kernels
+// that were chosen, then with the default ones, if these are among those to choose from.
+typedef struct expectation {
+    duet_plan plans[2];
+    uint32_t n;
+} expectation;
+
+static bool has_usual_kernels(const tuning *t)
 {
-    duet_plan expected = *shared;
-    expected.share = t->problem->fair;
+    return tune_has_variant(t->problem->def, t->problem->plan.variant_a) &&
+           tune_has_variant(t->problem->def, t->problem->plan.variant_b);
+}
+
+static expectation expect_plans(const tuning *t, const mode_found *founds, uint32_t n,
+                                const duet_plan *shared)
+{
+    expectation e = {.plans[0] = *shared, .n = t->problem->fair > 0 ? 1 : 0};
+    e.plans[0].share = t->problem->fair;
     for (uint32_t i = 0; i < n; ++i)
         if (founds[i].usable && founds[i].mode == t->problem->fair_mode)
-            expected.mode = founds[i].mode;
-    return expected;
+            e.plans[0].mode = founds[i].mode;
+    e.plans[1] = e.plans[0];
+    for (int device = 0; device < 2; ++device)
+        plan_set_variant(&e.plans[1], device, plan_variant(&t->problem->plan, device));
+    // A search of kernels' parameters has proven that they are faster.
+    if (e.n > 0 && !t->problem->def->search && has_usual_kernels(t))
+        e.n = 2;
+    return e;
 }
 
-static bool is_same_way(const duet_plan *plan, const duet_plan *other)
+static uint32_t find_plan(const field *f, const duet_plan *plan)
 {
-    return plan->share == other->share && plan->mode == other->mode;
+    uint32_t i = 1;
+    while (i < f->n && !trial_log_same_plan(&f->plans[i], plan))
+        ++i;
+    return i;
 }
 
-// The single device and the shared plan once more, with its evened share, and the expected plan.
+static void enter_new(field *f, const duet_plan *plan)
+{
+    if (find_plan(f, plan) == f->n)
+        field_enter(f, *plan);
+}
+
+// The single device and the shared plan once more, with its evened share, and the expected plans.
 static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared,
-                           const duet_plan *expected, field *f, duet_error *err)
+                           const expectation *e, field *f, duet_error *err)
 {
     duet_plan even;
     *f = (field){0};
     field_enter(f, *alone);
     field_enter(f, *shared);
-    if (even_out(t, shared, &even) && !is_same_way(&even, expected))
-        field_enter(f, even);
-    if (expected->share && !is_same_way(shared, expected))
-        field_enter(f, *expected);
+    if (even_out(t, shared, &even))
+        enter_new(f, &even);
+    for (uint32_t i = 0; i < e->n; ++i)
+        enter_new(f, &e->plans[i]);
     return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
 }
 
-// The best of the shared plans. The expected plan stays unless another is proven to be faster: in
+// The best of the shared plans. An expected plan stays unless another is proven to be faster: in
 // a few noisy launches the best of several plans is seldom the best one.
-static uint32_t best_finalist(const field *f, const duet_plan *expected)
+static uint32_t best_finalist(const field *f, const expectation *e)
 {
     uint32_t best = race_best(&f->race, 1, f->n);
-    for (uint32_t i = 1; i < f->n && best < f->n; ++i)
-        if (i != best && is_same_way(&f->plans[i], expected) && f->race.rivals[i].rounds > 0 &&
-            race_compare(&f->race, best, i).verdict != RACE_FASTER)
-            return i;
+    for (uint32_t i = 0; i < e->n && best < f->n; ++i) {
+        uint32_t expected = find_plan(f, &e->plans[i]);
+        if (expected < f->n && expected != best && f->race.rivals[expected].rounds > 0 &&
+            race_compare(&f->race, best, expected).verdict != RACE_FASTER)
+            best = expected;
+    }
     return best;
 }
 
@@ -231,10 +260,10 @@ bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_ou
         judge(t, &all, alone, alone, outcome);
         return true;
     }
-    duet_plan expected = expected_plan(t, founds, n, &all.plans[shared]);
-    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &expected, &finalists, err))
+    expectation e = expect_plans(t, founds, n, &all.plans[shared]);
+    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &e, &finalists, err))
         return false;
-    uint32_t best = best_finalist(&finalists, &expected);
+    uint32_t best = best_finalist(&finalists, &e);
     if (is_complete(&finalists, best))
         judge(t, &finalists, 0, best, outcome);
     else

@@ -69,10 +69,10 @@ static bool fill(const losses *l, uint32_t n, uint64_t seed, duet_error *err)
         duet_scene_destroy(scene);
         if (!ok)
             return false;
-        printf("stored: %u objects, share %.4f, mode %s, %.3f ms, gain %+.1f %% %s\n",
+        printf("stored: %u objects, share %.4f, mode %s, %s, %s, %.3f ms, gain %+.1f %% %s\n",
                outcome.objects, outcome.plan.share / (double)DUET_SHARE_ONE,
-               duet_mode_name(outcome.plan.mode), outcome.step_ms, 100 * outcome.gain,
-               outcome.verdict);
+               duet_mode_name(outcome.plan.mode), outcome.plan.variant_a, outcome.plan.variant_b,
+               outcome.step_ms, 100 * outcome.gain, outcome.verdict);
     }
     return true;
 }
@@ -110,6 +110,12 @@ static bool race(const losses *l, duet_world *const worlds[PLANS], double behind
     return true;
 }
 
+static void print_plan(const duet_plan *plan)
+{
+    printf(" | %.4f %-4s %s, %s", plan->share / (double)DUET_SHARE_ONE, duet_mode_name(plan->mode),
+           plan->variant_a, plan->variant_b);
+}
+
 static bool compare(losses *l, const duet_scene *scene, uint64_t seed,
                     duet_world *const worlds[PLANS], duet_error *err)
 {
@@ -130,8 +136,7 @@ static bool compare(losses *l, const duet_scene *scene, uint64_t seed,
         series_add(&l->behind[i], behind[i]);
     printf(" | %-12s", duet_grade_name(profile.grade));
     for (int i = AGAIN; i < PLANS; ++i)
-        printf(" | %.4f %-7s", duet_world_get_plan(worlds[i])->share / (double)DUET_SHARE_ONE,
-               duet_mode_name(duet_world_get_plan(worlds[i])->mode));
+        print_plan(duet_world_get_plan(worlds[i]));
     printf(" | %+6.1f %% | %+6.1f %% | %+6.1f %% |\n", behind[TUNED], behind[DEFAULT],
            behind[AGAIN]);
     return true;
