@@ -186,7 +186,7 @@ static bool step(void *context, const duet_plan *plan, bool staged, measure_laun
     world->def.stage_times = staged;
     if (!duet_world_set_plan(world, plan, err) || !hand_over_objects(world, err))
         return false;
-    core_watch_start(s->cores, core_spread(s->pair));
+    core_watch_start(s->cores, core_spread(world->def.pair));
     if (!duet_world_step(world, &result, err))
         return false;
     core_use use = core_watch_stop(s->cores);
