@@ -107,8 +107,7 @@ TEST(a_profile_that_was_measured_beside_others_is_told_as_such)
     char arguments[64], note[96];
     program quiet = run_on(&folder, "list");
     assert_null(strstr(quiet.out, "waited for a core"));
-    test_store_run(folder.store,
-                   "UPDATE profile SET watched = 430, disturbed = 300 WHERE id = 1");
+    test_store_run(folder.store, "UPDATE profile SET watched = 430, disturbed = 300 WHERE id = 1");
     cJSON *o = run_json(&folder, "list --json");
     const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
     assert_int_equal(json_number(first, "disturbed"), 300);

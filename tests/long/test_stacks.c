@@ -66,10 +66,11 @@ TEST(a_house_of_cards_stands)
 TEST(a_great_pile_does_not_sleep_deep)
 {
     double f[6];
-    figures("effects.md",
-            "| # boxes of `falling.lua`, # s | all sleep, no contact is deeper than # slops, and of "
-            "# points at most # is deeper than #",
-            6, f);
+    figures(
+        "effects.md",
+        "| # boxes of `falling.lua`, # s | all sleep, no contact is deeper than # slops, and of "
+        "# points at most # is deeper than #",
+        6, f);
     assert_close(f[0], 20000, 0.0);
     const double slop = 0.003; // nearly what it is by itself
     const duet_setting n = {"n", "20000"};
