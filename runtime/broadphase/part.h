@@ -220,7 +220,7 @@ void part_forget_kernels(part *p);
 // Builds the kernel of part_skim, too.
 bool part_prepare_skim(part *p, duet_error *err);
 
-// What the kernels do, by the task and the variant that they were built for.
+// Facts of the kernels, by the task and the variant that they were built for.
 bool part_tests_boxes(const part *p);  // beyond their bounds
 bool part_leaves_boxes(const part *p); // boxes are read by id, where the objects are
 bool part_sums_blocks(const part *p);  // objects are counted by the scan's blocks, too

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is done with the first objects while the caller writes others behind them: they are sent,
-// and a device classifies them for a host that has to look at all others.
+// Sends the first objects while the caller writes others behind them, and has a device classify
+// them for a host that has to look at all others.
 #include "runtime/broadphase/world.h"
 
 #include <string.h>

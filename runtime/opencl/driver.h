@@ -13,7 +13,7 @@
 
 #include "runtime/duet.h"
 
-// What a driver does otherwise than others: a set of these.
+// Quirks of a driver: a set of these.
 typedef enum driver_quirk {
     // It compiles a kernel for each width of launch, so that groups lie along the third axis.
     DRIVER_TWO_WIDTHS = 1 << 0,

@@ -35,7 +35,7 @@ enum { CALL, LOOP, SLOTS };
 
 typedef enum pool_mode { POOL_SLEEPS, POOL_AWAKE, POOL_CLOSING } pool_mode;
 
-// Those who sleep until somebody wakes them.
+// Threads that sleep until somebody wakes them.
 typedef struct sleepers {
     pthread_cond_t woken;
     atomic_uint n;
