@@ -158,8 +158,8 @@ bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_s
     return fetch_states(m, &r, states, cells, err);
 }
 
-// States that are read at once for a sum: they stay in a core's cache.
-enum { SUMMED_AT_ONCE = 4096 };
+// States that are read at once for a sum: few for a cache, many for a transfer.
+enum { SUMMED_AT_ONCE = 16384 };
 
 bool motion_sum_states(duet_motion *m, add_state add, void *sum, duet_error *err)
 {
