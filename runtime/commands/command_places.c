@@ -46,12 +46,11 @@ static void turn_between(const double from[4], const double to[4], double time, 
         velocity[k] = sine > 0.0 ? (float)(v[k] / sine * angle / time) : 0.0f;
 }
 
-// Finds the velocities that the state's bodies need to get to their targets in a step.
-static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
+// The velocities that take bodies from their states [n] to their targets in a step.
+static void set_velocities(const duet_motion *m, const command *c, const duet_state *states)
 {
-    duet_state *states = motion_read_states(m, err);
-    for (uint32_t i = 0; states && i < c->list.n; ++i) {
-        const duet_state *s = &states[c->places[i]];
+    for (uint32_t i = 0; i < c->list.n; ++i) {
+        const duet_state *s = &states[i];
         const float *q = c->poses[i].rotation;
         const double to[4] = {q[0], q[1], q[2], q[3]};
         for (uint32_t k = 0; k < m->def.dims; ++k) {
@@ -62,8 +61,19 @@ static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
         }
         turn_between(s->rotation, to, m->def.dt, c->bodies[i].angular_velocity);
     }
+}
+
+static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
+{
+    const uint32_t n = c->list.n;
+    duet_state *states = malloc(n * sizeof *states + 1);
+    bool ok = states ||
+              error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u states", c->op->call, n);
+    ok = ok && motion_fetch_states(m, c->places, n, states, NULL, err);
+    if (ok)
+        set_velocities(m, c, states);
     free(states);
-    return states;
+    return ok;
 }
 
 static bool check_kinematic(const duet_motion *m, const command *c, duet_error *err)

@@ -221,6 +221,11 @@ void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
 // All states, which the caller frees; NULL if a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
+// Adds each body's state to a sum, by ascending place; false if a number of them is no longer
+// finite.
+typedef void (*add_state)(const duet_motion *m, uint32_t place, const duet_state *state, void *sum);
+bool motion_sum_states(duet_motion *m, add_state add, void *sum, duet_error *err);
+
 // Adds a body's state to a sum, which over all bodies is the state hash.
 uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id);
 

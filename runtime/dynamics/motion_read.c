@@ -36,12 +36,17 @@ static const struct {
 
 enum { PARTS = sizeof parts / sizeof parts[0], MOST_WORDS = 8 };
 
-// Bodies whose states are read: those of n ids, or without ids all.
+// Bodies whose states are read: those of n ids, or without ids n from the first on.
 typedef struct reading {
     const uint32_t *ids;
-    uint32_t n;
+    uint32_t first, n;
     uint32_t *space; // [n] rows, if B does not work on the host's memory
 } reading;
+
+static uint32_t place_of(const reading *r, uint32_t i)
+{
+    return r->ids ? r->ids[i] : r->first + i;
+}
 
 static bool begin(duet_motion *m, const reading *r, duet_error *err)
 {
@@ -63,35 +68,38 @@ static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *
 // The rows of a buffer; NULL after a failure.
 static const uint32_t *fetch(duet_motion *m, const reading *r, motion_buffer which, duet_error *err)
 {
+    const size_t row = motion_words(m, which) * sizeof(uint32_t);
+    const size_t at = r->first * row, bytes = r->n * row;
     buffer *b = &m->buffers[r->ids ? GATHERED : which];
-    uint32_t *rows = b->host ? b->host : r->space;
-    size_t bytes = (size_t)r->n * motion_words(m, which) * sizeof *rows;
-    bool ok = (!r->ids || gather(m, which, r->n, err)) &&
-              timeline_read(&m->times, "fetch", b, rows, bytes, err);
-    return ok ? rows : NULL;
+    if (r->ids && !gather(m, which, r->n, err))
+        return NULL;
+    if (b->host)
+        return timeline_read(&m->times, "fetch", b, b->host, at + bytes, err)
+                   ? (const uint32_t *)((const char *)b->host + at)
+                   : NULL;
+    return timeline_read_at(&m->times, "fetch", b, at, r->space, bytes, err) ? r->space : NULL;
 }
 
-static double number_at(const duet_motion *m, const uint32_t *row, size_t k)
+// The first n numbers of a row.
+static void read_numbers(const uint32_t *row, bool doubles, size_t n, double *numbers)
 {
     float number;
-    double wide;
-    if (m->def.doubles) {
-        memcpy(&wide, row + 2 * k, sizeof wide);
-        return wide;
+    for (size_t k = 0; k < n && !doubles; ++k) {
+        memcpy(&number, row + k, sizeof number);
+        numbers[k] = (double)number;
     }
-    memcpy(&number, row + k, sizeof number);
-    return (double)number;
+    if (doubles)
+        memcpy(numbers, row, n * sizeof *numbers);
 }
 
 static bool fetch_part(duet_motion *m, const reading *r, size_t p, duet_state *states,
                        duet_error *err)
 {
-    uint32_t words = motion_words(m, parts[p].which);
+    const size_t words = motion_words(m, parts[p].which), n = parts[p].numbers, at = parts[p].at;
+    const bool doubles = m->def.doubles;
     const uint32_t *rows = fetch(m, r, parts[p].which, err);
     for (uint32_t i = 0; rows && i < r->n; ++i)
-        for (size_t k = 0; k < parts[p].numbers; ++k)
-            ((double *)((char *)&states[i] + parts[p].at))[k] =
-                number_at(m, rows + (size_t)i * words, k);
+        read_numbers(rows + i * words, doubles, n, (double *)((char *)&states[i] + at));
     return rows;
 }
 
@@ -111,37 +119,60 @@ static bool fetch_cells(duet_motion *m, const reading *r, duet_state *states, cl
 // ---------------------------------------------------------------- states
 
 // Numbers that are no longer finite are told here at the latest.
-static bool check_finite(const duet_motion *m, const uint32_t *ids, uint32_t n,
-                         const duet_state *states, duet_error *err)
+static bool check_finite(const duet_motion *m, const reading *r, const duet_state *states,
+                         duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i)
+    for (uint32_t i = 0; i < r->n; ++i)
         for (size_t k = 0; k < sizeof *states / sizeof(double); ++k)
             if (!isfinite(((const double *)&states[i])[k]))
                 return error_set(err, DUET_STATUS_BAD_OBJECT,
                                  "object %u of %u: its state after step %llu is not finite",
-                                 ids ? ids[i] : i, m->n, (unsigned long long)m->step);
+                                 place_of(r, i), m->n, (unsigned long long)m->step);
     return true;
+}
+
+static bool fetch_states(duet_motion *m, reading *r, duet_state *states, cl_int4 *cells,
+                         duet_error *err)
+{
+    if (r->n == 0)
+        return true;
+    r->space = malloc((size_t)r->n * MOST_WORDS * sizeof *r->space);
+    if (!r->space)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", r->n);
+    bool given = motion_words(m, ROTATIONS) == 0 || motion_words(m, ANGULAR_VELOCITIES) == 0;
+    for (uint32_t i = 0; given && i < r->n; ++i)
+        motion_given_state(m, place_of(r, i), &states[i]);
+    bool ok = begin(m, r, err);
+    for (size_t p = 0; ok && p < PARTS; ++p)
+        ok = motion_words(m, parts[p].which) == 0 || fetch_part(m, r, p, states, err);
+    ok = ok && (!m->cells || fetch_cells(m, r, states, cells, err)) &&
+         timeline_finish(&m->times, err);
+    free(r->space);
+    return ok && check_finite(m, r, states, err);
 }
 
 bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
                          cl_int4 *cells, duet_error *err)
 {
     reading r = {.ids = ids, .n = n};
-    if (n == 0)
-        return true;
-    r.space = malloc((size_t)n * MOST_WORDS * sizeof *r.space);
-    if (!r.space)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", n);
-    bool given = motion_words(m, ROTATIONS) == 0 || motion_words(m, ANGULAR_VELOCITIES) == 0;
-    for (uint32_t i = 0; given && i < n; ++i)
-        motion_given_state(m, ids ? ids[i] : i, &states[i]);
-    bool ok = begin(m, &r, err);
-    for (size_t p = 0; ok && p < PARTS; ++p)
-        ok = motion_words(m, parts[p].which) == 0 || fetch_part(m, &r, p, states, err);
-    ok = ok && (!m->cells || fetch_cells(m, &r, states, cells, err)) &&
-         timeline_finish(&m->times, err);
-    free(r.space);
-    return ok && check_finite(m, ids, n, states, err);
+    return fetch_states(m, &r, states, cells, err);
+}
+
+// States that are read at once for a sum: few for a cache, many for a transfer.
+enum { SUMMED_AT_ONCE = 16384 };
+
+bool motion_sum_states(duet_motion *m, add_state add, void *sum, duet_error *err)
+{
+    duet_state *states = malloc(SUMMED_AT_ONCE * sizeof *states);
+    bool ok = states || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    for (reading r = {.n = 0}; ok && r.first < m->n; r.first += r.n) {
+        r.n = m->n - r.first < SUMMED_AT_ONCE ? m->n - r.first : SUMMED_AT_ONCE;
+        ok = fetch_states(m, &r, states, NULL, err);
+        for (uint32_t i = 0; ok && i < r.n; ++i)
+            add(m, r.first + i, &states[i], sum);
+    }
+    free(states);
+    return ok;
 }
 
 bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)

@@ -7,7 +7,6 @@
 #include "base/exact_sum.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // -0 counts as 0: which of the two a sum of nothing is does not matter.
@@ -32,23 +31,26 @@ uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id)
     return sum;
 }
 
+static void add_hash(const duet_motion *m, uint32_t place, const duet_state *s, void *sum)
+{
+    uint64_t *hash = sum;
+    (void)m;
+    *hash = motion_hash_state(*hash, s, place);
+}
+
 bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err))
+    uint64_t sum = 0;
+    if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err) ||
+        !motion_sum_states(m, add_hash, &sum, err))
         return false;
-    duet_state *states = motion_read_states(m, err);
-    if (!states)
-        return false;
-    *hash = 0;
-    for (uint32_t id = 0; id < m->n; ++id)
-        *hash = motion_hash_state(*hash, &states[id], id);
-    free(states);
+    *hash = sum;
     return true;
 }
 
-// Axis k of a box turned by q, |q| = 1.
-static void axis_of(const double q[4], int k, double axis[3])
+// The axes of a box turned by q, |q| = 1.
+static void axes_of(const double q[4], double axes[3][3])
 {
     double x = q[0], y = q[1], z = q[2], w = q[3];
     const double columns[3][3] = {
@@ -56,7 +58,7 @@ static void axis_of(const double q[4], int k, double axis[3])
         {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
         {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
     };
-    memcpy(axis, columns[k], sizeof columns[k]);
+    memcpy(axes, columns, sizeof columns);
 }
 
 static double potential_of(const duet_motion_def *def, const duet_state *s, double mass)
@@ -75,34 +77,49 @@ typedef struct energy_sums {
     exact_sum momentum[3], angular[3];
 } energy_sums;
 
-static void add_turning(const duet_motion *m, uint32_t id, const duet_state *s, energy_sums *e)
+static bool turns(const duet_state *s)
 {
-    double inverse[3];
+    const double *w = s->angular_velocity;
+    return w[0] != 0.0 || w[1] != 0.0 || w[2] != 0.0;
+}
+
+// What an object's turning has, and adds to its angular momentum.
+static double turning_of(const duet_motion *m, uint32_t id, const duet_state *s, double angular[3])
+{
+    double inverse[3], axes[3][3], turning = 0.0;
     motion_inverse_inertia(m, id, inverse);
+    axes_of(s->rotation, axes);
     for (int k = 0; k < 3; ++k) {
-        double axis[3];
-        axis_of(s->rotation, k, axis);
-        double along = vector_dot(axis, s->angular_velocity, 3);
+        double along = vector_dot(axes[k], s->angular_velocity, 3);
         double inertia = inverse[k] > 0.0 ? 1.0 / inverse[k] : 0.0;
-        exact_sum_add(&e->turning, 0.5 * inertia * along * along);
+        turning += 0.5 * inertia * along * along;
         for (int j = 0; j < 3; ++j)
-            exact_sum_add(&e->angular[j], inertia * along * axis[j]);
+            angular[j] += inertia * along * axes[k][j];
     }
+    return turning;
 }
 
 static void add_object(const duet_motion *m, uint32_t id, const duet_state *s, energy_sums *e)
 {
-    double mass = m->bodies[id].mass;
-    double swing[3];
-    vector_cross(s->centre, s->velocity, swing);
+    double mass = m->bodies[id].mass, angular[3];
+    vector_cross(s->centre, s->velocity, angular);
+    for (int k = 0; k < 3; ++k)
+        angular[k] *= mass;
+    if (turns(s))
+        exact_sum_add(&e->turning, turning_of(m, id, s, angular));
     exact_sum_add(&e->kinetic, 0.5 * mass * vector_dot(s->velocity, s->velocity, 3));
     if (m->effects & DUET_EFFECT_GRAVITY)
         exact_sum_add(&e->potential, potential_of(&m->def, s, mass));
     for (int k = 0; k < 3; ++k) {
         exact_sum_add(&e->momentum[k], mass * s->velocity[k]);
-        exact_sum_add(&e->angular[k], mass * swing[k]);
+        exact_sum_add(&e->angular[k], angular[k]);
     }
-    add_turning(m, id, s, e);
+}
+
+static void add_energy(const duet_motion *m, uint32_t id, const duet_state *s, void *sum)
+{
+    if (m->bodies[id].mass > 0.0f && !motion_is_hidden(m, id))
+        add_object(m, id, s, sum);
 }
 
 static duet_energy round_sums(const energy_sums *e)
@@ -120,16 +137,10 @@ static duet_energy round_sums(const energy_sums *e)
 bool duet_motion_get_energy(duet_motion *m, duet_energy *energy, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err))
-        return false;
-    duet_state *states = motion_read_states(m, err);
-    if (!states)
-        return false;
     energy_sums sums = {0};
-    for (uint32_t id = 0; id < m->n; ++id)
-        if (m->bodies[id].mass > 0.0f && !motion_is_hidden(m, id))
-            add_object(m, id, &states[id], &sums);
-    free(states);
+    if (!motion_is_whole(m, __func__, err) || !error_given(energy, __func__, "energy", err) ||
+        !motion_sum_states(m, add_energy, &sums, err))
+        return false;
     *energy = round_sums(&sums);
     return true;
 }

@@ -75,6 +75,40 @@ TEST(energies_have_the_same_bits_in_any_order)
     mover_free(m);
 }
 
+// Bodies that are read in several parts. The speeds are 1, 2 and so on.
+TEST(sums_have_each_body_once)
+{
+    enum { MANY = 40000 };
+    const double n = MANY;
+    mover *m = mover_new(3);
+    duet_pose *poses = test_calloc(MANY, sizeof *poses);
+    duet_body *bodies = test_calloc(MANY, sizeof *bodies);
+    duet_state *states = test_calloc(MANY, sizeof *states);
+    for (uint32_t i = 0; i < MANY; ++i) {
+        poses[i] = (duet_pose){.centre = {3.0f * (float)(i % 200), 3.0f * (float)(i / 200), 0},
+                               .half_extents = {0.5f, 0.5f, 0.5f},
+                               .rotation = {0, 0, 0, 1}};
+        bodies[i] = duet_default_body();
+        bodies[i].velocity[0] = (float)(i + 1);
+    }
+    duet_motion *motion = must(duet_motion_create(&m->def, poses, bodies, MANY, ERR));
+    duet_energy energy;
+    uint64_t hash, right = 0;
+    must(duet_motion_get_energy(motion, &energy, ERR));
+    must(duet_motion_get_hash(motion, &hash, ERR));
+    must(duet_motion_get_states(motion, states, ERR));
+    for (uint32_t i = 0; i < MANY; ++i)
+        right = motion_hash_state(right, &states[i], i);
+    assert_true(energy.momentum[0] == n * (n + 1) / 2);
+    assert_true(energy.kinetic == n * (n + 1) * (2 * n + 1) / 12);
+    assert_int_equal(hash, right);
+    duet_motion_destroy(motion);
+    test_free(states);
+    test_free(bodies);
+    test_free(poses);
+    mover_free(m);
+}
+
 static double plain_extents(const mover *m)
 {
     double sum = 0;

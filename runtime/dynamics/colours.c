@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// Makes a colour of each contact, and the list of contacts by colour: those of one colour share no
+// body that moves.
+#include "runtime/dynamics/domain_motion.h"
+
+// Rounds that are sent at once if the last step's rounds were too few.
+enum { ROUNDS_MORE = 4 };
+
+static bool reserve_lists(duet_motion *m, duet_error *err)
+{
+    static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
+    bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err) &&
+              motion_reserve(m, SPANS, COLOUR_OVERFLOW + 1, sizeof(colour_span), err);
+    for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
+        ok = motion_reserve(m, lists[i], (uint64_t)m->graph.n_contacts + 1, sizeof(uint32_t), err);
+    return ok;
+}
+
+// Places each colour's contacts in the list, and in blocks: contacts of a colour begin a block, and
+// contacts without a colour have one each.
+static void lay_colours(contact_solver *s, uint32_t block, const uint32_t starts[KEYS + 1])
+{
+    s->n_blocks = s->n_colours = 0;
+    for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k) {
+        colour_span *span = &s->colours[k];
+        span->first = starts[k * COLOUR_KEYS];
+        span->count = starts[(k + 1) * COLOUR_KEYS] - span->first;
+        span->slot = s->n_blocks * block;
+        s->n_blocks += k == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
+        s->n_colours += span->count > 0;
+    }
+    s->n_pushing = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
+}
+
+// Contacts of one colour after the other into LIST. Reads the flags as well.
+static bool sort_colours(duet_motion *m, duet_error *err)
+{
+    uint32_t starts[KEYS + 1];
+    buffer *b = m->buffers;
+    const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
+    const char *stage = "graph_colour";
+    bool ok =
+        motion_launch(m, stage, m->kernels.graph_colour_key, m->awake.n_contacts, err) &&
+        radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
+                       err) &&
+        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->awake.n_contacts + 1, err) &&
+        timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
+                            err) &&
+        timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
+    if (ok)
+        lay_colours(&m->solver, m->layout.block, starts);
+    return ok;
+}
+
+static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
+{
+    const uint32_t n = m->awake.n_bodies;
+    bool ok = true;
+    for (m->solver.round = from + 1; ok && m->solver.round <= to; ++m->solver.round)
+        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, n, err) &&
+             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, n, err);
+    return ok;
+}
+
+// Makes space for the blocks of colours that have been laid out.
+static bool use_colours(duet_motion *m, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    product_renew(&m->products, PRODUCT_COLOURS);
+    return motion_reserve(m, BLOCKS, (uint64_t)s->n_blocks * m->layout.block,
+                          m->layout.constraint * sizeof(float), err) &&
+           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, s->colours,
+                             sizeof s->colours, err);
+}
+
+// Each round colours at least the contact of greatest rank, so rounds end. The expected rounds are
+// sent before the host looks whether any contact still waits.
+static bool list_colours(duet_motion *m, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    bool ok = reserve_lists(m, err);
+    uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
+    do {
+        ok = ok && run_rounds(m, from, to, err) && sort_colours(m, err);
+        from = to;
+        to += ROUNDS_MORE;
+    } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
+    s->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
+    return ok && use_colours(m, err);
+}
+
+// If the contacts are those of the list, and none changed its colour, the list holds.
+static bool keep_colours(duet_motion *m, duet_error *err)
+{
+    if (!motion_read_flags(m, err))
+        return false;
+    if (m->effects & DUET_EFFECT_SLEEP)
+        motion_count_awake(m);
+    if (!product_is_forgotten(&m->products, PRODUCT_COLOURS) && !m->flags[FLAG_RECOLOURED])
+        product_keep(&m->products, PRODUCT_COLOURS);
+    return true;
+}
+
+static bool list_none(duet_motion *m)
+{
+    const uint32_t none[KEYS + 1] = {0};
+    lay_colours(&m->solver, m->layout.block, none);
+    product_renew(&m->products, PRODUCT_COLOURS);
+    return true;
+}
+
+// Stages of a team that marks and sorts, and of each of its rounds; rounds that a launch is thought
+// to take at most.
+enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2, MOST_ROUNDS = 1024 };
+
+static bool launch_colouring(duet_motion *m, duet_error *err)
+{
+    return reserve_lists(m, err) &&
+           motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
+           team_launch(m, "graph_colour", m->kernels.colour_contacts, m->awake.n_contacts,
+                       LEAST_CONTACTS, SORT_STAGES + ROUND_STAGES * MOST_ROUNDS, err);
+}
+
+// Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
+static bool colour_by_team(duet_motion *m, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    buffer *b = m->buffers;
+    uint32_t starts[KEYS + 1];
+    s->sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
+    if (!launch_colouring(m, err) ||
+        !timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
+                             err) ||
+        !timeline_read(&m->times, "graph_colour", &b[COLOUR_STARTS], starts, sizeof starts, err))
+        return false;
+    if (m->flags[FLAG_ROUNDS] > MOST_ROUNDS)
+        m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - MOST_ROUNDS);
+    if (m->effects & DUET_EFFECT_SLEEP)
+        motion_count_awake(m);
+    if (!s->sorts && !m->flags[FLAG_RECOLOURED]) {
+        product_keep(&m->products, PRODUCT_COLOURS);
+        return true;
+    }
+    lay_colours(s, m->layout.block, starts);
+    return use_colours(m, err);
+}
+
+// A motion whose colours changed in the last step mostly changes them again: then the contacts are
+// sorted anew without waiting for the device to say so.
+bool motion_make_colours(duet_motion *m, duet_error *err)
+{
+    if (m->graph.n_contacts == 0)
+        return list_none(m);
+    if (team_takes(m->kernels.colour_contacts))
+        return colour_by_team(m, err);
+    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts,
+                         err) &&
+           (m->solver.rounds > 0 || keep_colours(m, err)) &&
+           (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
+}
+
+// ---------------------------------------------------------------- stage by stage
+
+bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err)
+{
+    const uint32_t n = m->graph.n_contacts;
+    if (m->n == 0 || n == 0)
+        return list_none(m);
+    return timeline_write_at(&m->times, "graph_colour", &m->buffers[COLOUR_OF], 0, colours,
+                             n * sizeof *colours, err) &&
+           reserve_lists(m, err) && sort_colours(m, err) && use_colours(m, err);
+}
