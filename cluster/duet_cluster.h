@@ -146,12 +146,12 @@ DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, b
 
 // ---------------------------------------------------------------- motion
 
-// Reads a scene whose bodies move, on every rank whole, and divides them among the ranks' domains
-// (parts of the def each). Each rank's devices hold its domains' bodies and their ghosts. Replaces
-// the motion that the cluster had; other objects stay as they are. BAD_ARGUMENT names an effect
-// that several domains do not have yet, and a cluster without devices. resume NULL: the scene's
-// beginning; else a file of duet_cluster_save_motion, of the same scene and any number of ranks,
-// which all ranks can read.
+// Reads a scene whose bodies move, on every rank whole, and divides them among the ranks'
+// domains (parts of the def each). Each rank's devices hold its domains' bodies and their
+// ghosts. Replaces the motion that the cluster had; other objects stay as they are. BAD_ARGUMENT
+// for contact without response, which several domains do not have yet, and for a cluster without
+// devices. resume NULL: the scene's beginning; else a file of duet_cluster_save_motion, of the
+// same scene and any number of ranks, which all ranks can read.
 DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
                                         const char *resume, duet_error *err);

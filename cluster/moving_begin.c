@@ -8,34 +8,17 @@
 
 #include <stdlib.h>
 
-// ---------------------------------------------------------------- what is supported
-
-static const uint32_t unsupported = DUET_EFFECT_DEPENETRATION;
+// ---------------------------------------------------------------- motions
 
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
-    uint32_t effects = motion->effects, refused = effects & unsupported;
-    if ((effects & DUET_EFFECT_CONTACT) && !(effects & DUET_EFFECT_CONTACT_RESPONSE))
-        refused |= DUET_EFFECT_CONTACT;
-    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (refused & bit)
-            return error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: the effect %s is not for several domains yet; expected no "
-                             "depenetration, and no contact without response",
-                             scene, duet_effect_name(bit));
-    return true;
-}
-
-static bool check_scene(const duet_scene_info *info, duet_error *own)
-{
-    return info->origin_edge == 0.0f ||
+    const uint32_t contact = DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE;
+    return (motion->effects & contact) != DUET_EFFECT_CONTACT ||
            error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: origin cells are not for several domains yet; expected an origin in "
-                     "numbers, or none",
-                     info->name);
+                     "%s: contact without response is not for several domains yet; expected "
+                     "contact_response in wants",
+                     scene);
 }
-
-// ---------------------------------------------------------------- motions
 
 static duet_motion_def def_of(const duet_scene *scene, const moving_start *start)
 {
@@ -56,7 +39,8 @@ static bool open_motions(moving *m, const moving_start *start, duet_error *own)
             return false;
     }
     return check_effects(m->domains[0].motion, duet_scene_get_info(m->scene)->name, own) &&
-           (!start->resume || moving_load(m, start->resume, own));
+           (!start->resume || moving_load(m, start->resume, own)) &&
+           (m->n_domains == 1 || domain_begin_apart(m->domains[0].motion, own));
 }
 
 // ---------------------------------------------------------------- the partition
@@ -87,7 +71,8 @@ static void divide_contacts(moving *m, item_list *contacts, duet_error *own)
         return;
     moving_read_contacts(m, first, contacts, own);
     for (uint64_t i = 0; is_well(own) && !contacts->failed && i < contacts->n; ++i) {
-        const moving_contact *c = moving_contact_at(m, contacts, i);
+        moving_contact *c = moving_contact_at(m, contacts, i);
+        c->told = c->told && m->counts.step > 0; // nothing touched before
         if (c->domain / m->parts == (uint32_t)m->ranks->self)
             memmove(moving_contact_at(m, contacts, kept++), c, m->contact_bytes);
     }
@@ -141,7 +126,7 @@ static bool list_all(moving *m, duet_error *own)
 static bool load(moving *m, const moving_start *start, item_list *contacts, duet_error *own)
 {
     m->scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
-    if (!m->scene || !check_scene(duet_scene_get_info(m->scene), own))
+    if (!m->scene)
         return false;
     m->domains = calloc(m->parts, sizeof *m->domains);
     if (!m->domains)
