@@ -19,6 +19,7 @@
 static const double LOST = 0.05;      // part of a launch that may be lost
 static const double WANTS = 0.2;      // part for which a thread that matters wants a core
 static const double FEW_CORES = 0.15; // share that a system's own programs take at rest
+static const double ALL_CORES = 0.9;  // part of the cores that is as good as all
 
 typedef struct thread_row {
     int id;
@@ -42,6 +43,7 @@ typedef struct look {
 struct core_watch {
     thread_table before;
     thread_table after;
+    uint32_t spread;
     uint64_t begun_ns;
     uint64_t caller_ns; // processor time of the calling thread when the launch began
     cpu_set_t cores;    // that this process may use
@@ -187,10 +189,11 @@ void core_watch_close(core_watch *w)
     free(w);
 }
 
-void core_watch_start(core_watch *w)
+void core_watch_start(core_watch *w, uint32_t spread)
 {
     if (!w)
         return;
+    w->spread = spread < w->others.of ? spread : w->others.of;
     look_at_others(w);
     if (!read_threads(&w->before))
         w->before.n = 0;
@@ -203,30 +206,62 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
+static uint64_t most(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+// What the threads did during a launch of ns.
+typedef struct thread_sums {
+    uint64_t longest_wait_ns;
+    uint64_t ran_ns;     // of all
+    uint64_t busiest_ns; // of those that the caller is not
+    uint64_t others_ns;
+    uint32_t wanting; // threads that wanted a core for long
+} thread_sums;
+
+static thread_sums sum_threads(const core_watch *w, uint64_t ns)
+{
+    thread_sums s = {0};
+    int caller = gettid();
+    for (uint32_t i = 0; i < w->after.n; ++i) {
+        thread_row row = difference(&w->before, &w->after.rows[i]);
+        s.longest_wait_ns = most(s.longest_wait_ns, row.waited_ns);
+        s.ran_ns += row.ran_ns;
+        s.wanting += (double)(row.ran_ns + row.waited_ns) > WANTS * (double)ns;
+        s.busiest_ns = row.id != caller ? most(s.busiest_ns, row.ran_ns) : s.busiest_ns;
+        s.others_ns += row.id != caller ? row.ran_ns : 0;
+    }
+    return s;
+}
+
+// Whether more threads of this process wanted a core than there are, so that they waited for each
+// other. Until other programs were looked at, that is believed of a launch that had the cores.
+static bool waits_for_itself(const core_watch *w, const thread_sums *s, uint64_t ns)
+{
+    bool looked = w->last.at_ns > w->first.at_ns;
+    bool crowded =
+        looked ? w->others.is_crowded : (double)s->ran_ns < ALL_CORES * w->others.of * (double)ns;
+    return !crowded && s->wanting > w->others.of;
+}
+
 core_use core_watch_stop(core_watch *w)
 {
     core_use use = {0};
     if (!w)
         return use;
-    uint64_t ns = clock_steady_ns() - w->begun_ns, busiest_ns = 0;
-    uint32_t wanting = 0; // threads that wanted a core for long
+    uint64_t ns = clock_steady_ns() - w->begun_ns;
     // The system's table is behind for a thread that runs, as this one does.
     uint64_t caller_ns = clock_thread_ns() - w->caller_ns;
-    int caller = gettid();
     if (w->before.n == 0 || !read_threads(&w->after))
         return use;
-    for (uint32_t i = 0; i < w->after.n; ++i) {
-        thread_row row = difference(&w->before, &w->after.rows[i]);
-        use.wait_ns = row.waited_ns > use.wait_ns ? row.waited_ns : use.wait_ns;
-        wanting += (double)(row.ran_ns + row.waited_ns) > WANTS * (double)ns;
-        if (row.id != caller && row.ran_ns > busiest_ns)
-            busiest_ns = row.ran_ns;
-    }
-    use.cpu_ns = caller_ns + busiest_ns;
-    use.lost_ns = least(use.wait_ns, ns - least(use.cpu_ns, ns));
+    thread_sums s = sum_threads(w, ns);
+    uint64_t slowest_ns = w->spread > 1 ? s.others_ns / w->spread : s.busiest_ns;
+    use.cpu_ns = caller_ns + s.busiest_ns;
+    use.wait_ns = s.longest_wait_ns;
+    use.lost_ns = least(use.wait_ns, ns - least(caller_ns + slowest_ns, ns));
     look_at_others(w);
-    bool own = !w->others.is_crowded && wanting > w->others.of;
-    use.disturbed = !own && (double)use.lost_ns > LOST * (double)ns;
+    use.disturbed = (double)use.lost_ns > LOST * (double)ns && !waits_for_itself(w, &s, ns);
     ++w->tally.launches;
     w->tally.disturbed += use.disturbed;
     return use;

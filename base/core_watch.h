@@ -19,7 +19,9 @@ typedef struct core_watch core_watch;
 // A launch ends when its slowest thread does. So it lost no more than the longest that one thread
 // waited for a core, and no more than the time in which neither the caller nor the busiest other
 // thread ran. A thread that waits beside the slowest one costs nothing and shows in the first
-// alone; threads that work one after another show in the second alone.
+// alone; threads that work one after another show in the second alone. If threads share the work as
+// they come, one does what another that waits leaves: then it is the time in which the caller did
+// not run, less an equal part of what all the others ran.
 typedef struct core_use {
     uint64_t
         cpu_ns; // processor time of the calling thread and of the busiest other one; 0: unknown
@@ -48,8 +50,9 @@ typedef struct core_tally {
 core_watch *core_watch_open(void);
 void core_watch_close(core_watch *w); // NULL: does nothing
 
-// Encloses a launch by the calling thread; a NULL watch sees nothing.
-void core_watch_start(core_watch *w);
+// Encloses a launch by the calling thread, whose work is spread over so many threads as they come;
+// 1: each does its own. A NULL watch sees nothing.
+void core_watch_start(core_watch *w, uint32_t spread);
 core_use core_watch_stop(core_watch *w);
 
 // The last third of a second or so; of == 0 for a NULL watch.

@@ -5,6 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
+#include "tuner/core_spread.h"
 #include "tuner/stats.h"
 
 #include <stdlib.h>
@@ -26,12 +27,12 @@ typedef struct subject {
     uint32_t n;
 } subject;
 
-static bool advance(duet_motion *m, core_watch *cores, double *ms, duet_error *err)
+static bool advance(const subject *s, duet_motion *m, double *ms, duet_error *err)
 {
     duet_motion_result result;
-    core_watch_start(cores);
+    core_watch_start(s->tally->cores, core_spread(s->def.pair));
     bool ok = duet_motion_advance(m, &result, err);
-    core_watch_stop(cores);
+    core_watch_stop(s->tally->cores);
     *ms = ok ? result.total_ms : 0;
     return ok && interrupt_check(err);
 }
@@ -57,8 +58,7 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
     bool ok = m && (other || !beside);
     for (uint64_t k = 0; ok && k < steps + WARM; ++k) {
         double own = 0, others = 0;
-        ok = advance(m, s->tally->cores, &own, err) &&
-             (!other || advance(other, s->tally->cores, &others, err));
+        ok = advance(s, m, &own, err) && (!other || advance(beside, other, &others, err));
         if (ok && k >= WARM)
             times[k - WARM] = other ? others / own : own;
         progress_show(&s->tally->shown, ++s->tally->done);

@@ -146,12 +146,12 @@ DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, b
 
 // ---------------------------------------------------------------- motion
 
-// Reads a scene whose bodies move, on every rank whole, and divides them among the ranks'
-// domains (parts of the def each). Each rank's devices hold its domains' bodies and their
-// ghosts. Replaces the motion that the cluster had; other objects stay as they are. BAD_ARGUMENT
-// for contact without response, which several domains do not have yet, and for a cluster without
-// devices. resume NULL: the scene's beginning; else a file of duet_cluster_save_motion, of the
-// same scene and any number of ranks, which all ranks can read.
+// Reads a scene whose bodies move, on rank 0, and divides them among the ranks' domains (parts of
+// the def each). Each rank's devices hold its domains' bodies and their ghosts. Replaces the motion
+// that the cluster had; other objects stay as they are. BAD_ARGUMENT for contact without
+// response, which several domains do not have yet, and for a cluster without devices. resume NULL:
+// the scene's beginning; else a file of duet_cluster_save_motion, of the same scene and any number
+// of ranks, which rank 0 reads.
 DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
                                         const char *resume, duet_error *err);
@@ -168,6 +168,9 @@ typedef struct duet_cluster_motion_result {
     uint64_t contacts; // that push
     uint32_t colours;
     double total_ms;          // wall clock of the rank that took longest
+    double slowest_ms;        // that the rank was busy that was so longest,
+    double mean_ms;           // and the mean rank: on CPUs, processor time
+    uint32_t slowest_rank;    // of steps before, which ranks compare after each eight
     const duet_event *events; // [n_events] this rank's, by global ids; ascending, as are the others
     uint64_t n_events;
     const duet_pair *stays; // [n_stays]

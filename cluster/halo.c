@@ -227,6 +227,13 @@ void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_er
     exchange(h, m, BODIES, &out, &in, &parts, own);
 }
 
+void halo_exchange_late(halo *h, moving *m, duet_error *own)
+{
+    const chosen out = wrong_after(&h->sent, HALO_LATE), in = wrong_after(&h->received, HALO_LATE);
+    const row_parts whole = {{{0, row_bytes(m, BODIES)}}, 1};
+    exchange(h, m, BODIES, &out, &in, &whole, own);
+}
+
 bool halo_has_wrong(const halo *h, uint32_t colour)
 {
     return h->sent.wrong_after[colour].n > 0 || h->received.wrong_after[colour].n > 0;
@@ -257,13 +264,16 @@ static uint32_t wrong_colours(uint32_t at_home, uint32_t here)
     return at_home & ~(here & ((1u << HALO_COLOURS) - 1));
 }
 
-static void list_wrong(halo_side *s, uint64_t i, uint32_t colours)
+static void list_wrong(halo_side *s, uint64_t i, uint32_t at_home, uint32_t here)
 {
+    const uint32_t colours = here != 0 ? wrong_colours(at_home, here) : 0;
     for (uint32_t k = 0; k < HALO_COLOURS; ++k)
         if (colours >> k & 1u)
             row_list_add(&s->wrong_after[k], (uint32_t)i);
     if (colours != 0)
         row_list_add(&s->wrong_after[HALO_ANY], (uint32_t)i);
+    if (here == 0 && at_home != 0)
+        row_list_add(&s->wrong_after[HALO_LATE], (uint32_t)i);
 }
 
 static bool has_lists(const halo_side *s)
@@ -283,12 +293,11 @@ void halo_note_colours(halo *h, moving *m, duet_error *own)
     }
     tell_colours(h, m, &h->sent, &h->received);
     for (uint64_t i = 0; i < h->received.items.n; ++i)
-        list_wrong(&h->received, i,
-                   wrong_colours(theirs[i], colours_here(m, item_at(&h->received, i))));
+        list_wrong(&h->received, i, theirs[i], colours_here(m, item_at(&h->received, i)));
     tell_colours(h, m, &h->received, &h->sent);
     theirs = h->sent.rows.rows;
     for (uint64_t i = 0; i < h->sent.items.n; ++i)
-        list_wrong(&h->sent, i, wrong_colours(colours_here(m, item_at(&h->sent, i)), theirs[i]));
+        list_wrong(&h->sent, i, colours_here(m, item_at(&h->sent, i)), theirs[i]);
     if (!has_lists(&h->sent) || !has_lists(&h->received))
         error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
 }

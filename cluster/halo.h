@@ -17,13 +17,15 @@ typedef struct halo_item {
     uint32_t domain, place; // at this side, of this rank's domains
 } halo_item;
 
-// Colours have numbers from 0; after some contacts of another colour ghosts are wrong as well.
-enum { HALO_COLOURS = 31, HALO_ANY = HALO_COLOURS, HALO_LISTS };
+// Lists of ghosts: those that contacts of a colour, which have numbers from 0, leave wrong; those
+// that any contact does; and those that have contacts at home and none here, which nobody asks for
+// before the step ends.
+enum { HALO_COLOURS = 31, HALO_ANY = HALO_COLOURS, HALO_LATE, HALO_LISTS };
 
 // The items at one side.
 typedef struct halo_side {
     item_list items;                  // halo_item
-    row_list wrong_after[HALO_LISTS]; // items that a colour leaves wrong, or any contact does
+    row_list wrong_after[HALO_LISTS]; // items that are then to be sent
     parcels rows;
 } halo_side;
 
@@ -53,6 +55,9 @@ void halo_note_colours(halo *h, struct moving *m, duet_error *own);
 // Makes velocities, and the impulses to warm start with, those of the ghosts' own domains after
 // contacts of a colour; HALO_ANY: after all.
 void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
+
+// Makes all of the bodies of HALO_LATE those of their own domains.
+void halo_exchange_late(halo *h, struct moving *m, duet_error *own);
 
 // Whether this rank sends or receives something then.
 bool halo_has_wrong(const halo *h, uint32_t colour);

@@ -18,6 +18,8 @@ typedef struct moving_counts {
     uint64_t contacts; // that push
     uint64_t ghosts;
     uint32_t colours;
+    double slowest_ms, mean_ms; // that ranks were busy in the last step
+    uint32_t slowest_rank;      // of the last steps that were compared
 } moving_counts;
 
 // What this rank tells of the last step: contacts whose owner one of its domains owned then. The

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// A scene's bodies are divided among domains. Each rank reads all of it and makes motions of all of
-// it, so that what follows from the whole scene (effects, margins, substeps, the partition) is the
-// same on all ranks; then each motion keeps its domain's bodies.
+// A scene's bodies are divided among domains. Rank 0 reads the scene, and tells the others what
+// follows from all of it (effects, margins, substeps), which is the same on all ranks. Bodies go to
+// their domains some at a time, so no other rank ever has more than its own.
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
+#include "runtime/scene/scene_bodies.h"
 
 #include <stdlib.h>
 
-// ---------------------------------------------------------------- motions
+// Bodies that rank 0 makes at one time.
+enum { CHUNK = 1 << 18 };
 
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
@@ -20,145 +22,272 @@ static bool check_effects(const duet_motion *motion, const char *scene, duet_err
                      scene);
 }
 
-static duet_motion_def def_of(const duet_scene *scene, const moving_start *start)
+// ---------------------------------------------------------------- the whole, on rank 0
+
+static duet_motion *know_objects(const duet_scene *scene, duet_device_pair *pair, duet_error *own)
 {
-    duet_motion_def def = duet_scene_motion_def(scene, start->pair);
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    scene_bodies b;
+    duet_motion *known = NULL;
+    if (scene_bodies_take(&b, scene, NULL, own))
+        known = motion_know(&def, b.poses, b.large_poses, b.bodies, b.n, own);
+    scene_bodies_free(&b);
+    return known;
+}
+
+// The motion of all bodies, without a device. NULL after a failure.
+static duet_motion *know_scene(const moving_start *start, duet_error *own)
+{
+    duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
+    duet_motion *known = scene ? know_objects(scene, start->pair, own) : NULL;
+    if (known)
+        check_effects(known, duet_scene_get_info(scene)->name, own);
+    duet_scene_destroy(scene);
+    return known;
+}
+
+// Whether rank 0 has all bodies on a device before they are divided: those of a file, in origin
+// cells, or to be taken apart.
+static bool begins_on_device(const duet_motion_def *def, const moving_start *start)
+{
+    return start->resume || def->origin_edge > 0.0f || (def->wants & DUET_EFFECT_DEPENETRATION);
+}
+
+// One domain alone takes its bodies apart in its first step.
+static void open_known(duet_motion *known, const moving_start *start, bool is_alone,
+                       duet_error *own)
+{
     if (start->plan)
-        def.plan = *start->plan;
-    return def;
+        known->def.plan = *start->plan;
+    if (motion_open(known, own) && (!start->resume || moving_load(known, start->resume, own)) &&
+        !is_alone)
+        domain_begin_apart(known, own);
 }
 
-static bool open_motions(moving *m, const moving_start *start, duet_error *own)
+// ---------------------------------------------------------------- the whole, on all ranks
+
+// What rank 0 tells the others of the scene.
+typedef struct moving_whole {
+    duet_motion_def def; // its pair, plan and heights are rank 0's alone
+    duet_heights heights;
+    bool has_heights;
+    effect_facts facts;
+    double extent;
+    cl_int4 base; // the origin cell that others are counted from
+    uint32_t n_all;
+    uint64_t step;
+} moving_whole;
+
+static moving_whole whole_of(const duet_motion *known)
 {
-    m->def = def_of(m->scene, start);
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        moving_domain *d = &m->domains[k];
-        d->number = (uint32_t)m->ranks->self * m->parts + k;
-        d->motion = duet_motion_create_from_scene(&m->def, m->scene, NULL, own);
-        if (!d->motion)
-            return false;
-    }
-    return check_effects(m->domains[0].motion, duet_scene_get_info(m->scene)->name, own) &&
-           (!start->resume || moving_load(m, start->resume, own)) &&
-           (m->n_domains == 1 || domain_begin_apart(m->domains[0].motion, own));
+    moving_whole w = {.def = known->def,
+                      .has_heights = known->def.heights,
+                      .facts = known->facts,
+                      .extent = known->extent,
+                      .n_all = known->n,
+                      .step = known->step};
+    if (w.has_heights)
+        w.heights = *known->def.heights;
+    if (known->cells)
+        w.base = known->cells[0];
+    return w;
 }
 
-// ---------------------------------------------------------------- the partition
-
-static bool cut(moving *m, const item_list *bodies, duet_error *own)
+static bool tell_heights(moving *m, moving_whole *w, float **values, duet_error *own)
 {
-    bisection_point *points = malloc((bodies->n + 1) * sizeof *points);
-    if (!points)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
-    for (uint64_t i = 0; i < bodies->n; ++i) {
-        points[i].weight = 1;
-        moving_centre(m, moving_body_at(m, bodies, i), points[i].at);
+    const size_t bytes = (size_t)w->heights.nx * w->heights.ny * sizeof **values;
+    if (!w->has_heights)
+        return true;
+    *values = malloc(bytes);
+    if (!*values)
+        error_set(own, DUET_STATUS_NO_MEMORY, "a ground: no memory");
+    else if (m->ranks->self == 0)
+        memcpy(*values, w->heights.heights, bytes);
+    if (!ranks_agree(m->ranks, is_well(own), own))
+        return false;
+    ranks_broadcast(m->ranks, *values, bytes);
+    w->heights.heights = *values;
+    return true;
+}
+
+static void take_whole(moving *m, const moving_whole *w, const moving_start *start)
+{
+    m->def = w->def;
+    m->def.pair = start->pair;
+    m->def.plan = start->plan ? *start->plan : duet_default_plan(start->pair);
+    m->def.heights = w->has_heights ? &w->heights : NULL;
+    m->facts = w->facts;
+    m->extent = w->extent;
+    m->base = w->base;
+    m->n_all = w->n_all;
+    m->counts.bodies = w->n_all;
+    m->counts.step = w->step;
+}
+
+duet_motion *moving_create(const moving *m, duet_error *own)
+{
+    duet_motion *motion = domain_create(&m->def, &m->facts, m->extent, own);
+    if (motion)
+        motion->step = m->counts.step;
+    if (motion && motion->cells)
+        motion->cells[0] = m->base;
+    return motion;
+}
+
+// One rank of a host builds kernels, and the others wait.
+static void open_domains(moving *m, duet_error *own)
+{
+    ranks_await_turn(m->ranks, true);
+    m->domains = calloc(m->parts, sizeof *m->domains);
+    if (!m->domains)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        m->domains[k].number = (uint32_t)m->ranks->self * m->parts + k;
+        m->domains[k].motion = moving_create(m, own);
     }
-    bool ok = bisection_begin(&m->cuts, m->n_domains, own);
-    if (ok)
-        bisection_cut(&m->cuts, NULL, points, bodies->n);
-    free(points);
+    ranks_end_turn(m->ranks);
+}
+
+static void measure_rows(moving *m)
+{
+    const duet_motion *first = m->domains[0].motion;
+    m->def = first->def; // whose ground is a copy
+    m->body_bytes = sizeof(moving_body) + domain_state_bytes(first);
+    m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
+}
+
+static bool open_all(moving *m, const duet_motion *known, const moving_start *start,
+                     duet_error *own)
+{
+    moving_whole w = {0};
+    float *heights = NULL;
+    if (known)
+        w = whole_of(known);
+    ranks_broadcast(m->ranks, &w, sizeof w);
+    bool ok = tell_heights(m, &w, &heights, own);
+    if (ok) {
+        take_whole(m, &w, start);
+        open_domains(m, own);
+        if (is_well(own))
+            measure_rows(m);
+        ok = bisection_begin(&m->cuts, m->n_domains, own);
+        ok = ranks_agree(m->ranks, is_well(own), own);
+    }
+    free(heights);
     return ok;
 }
 
-// Keeps the contacts that are for this rank's domains. Rank 0 has them all; the first domain of
-// each rank lists the whole motion's, as if all bodies were its own.
-static void divide_contacts(moving *m, item_list *contacts, duet_error *own)
+// ---------------------------------------------------------------- bodies, from rank 0
+
+// Adds bodies of the whole to the first domain, as if they were its own; `reader` has them.
+static void add_bodies(moving *m, const duet_motion *known, duet_motion *reader, uint32_t first,
+                       uint32_t n, duet_error *own)
 {
-    const moving_domain *first = &m->domains[0];
-    uint64_t kept = 0;
-    if (!moving_pushes(m))
-        return;
-    moving_read_contacts(m, first, contacts, own);
-    for (uint64_t i = 0; is_well(own) && !contacts->failed && i < contacts->n; ++i) {
-        moving_contact *c = moving_contact_at(m, contacts, i);
-        c->told = c->told && m->counts.step > 0; // nothing touched before
-        if (c->domain / m->parts == (uint32_t)m->ranks->self)
-            memmove(moving_contact_at(m, contacts, kept++), c, m->contact_bytes);
+    moving_domain *to = &m->domains[0];
+    moving_domain some = {.motion = reader, .number = to->number};
+    some.bodies.items = calloc((size_t)n + 1, m->body_bytes);
+    if (!some.bodies.items)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", n);
+    for (uint32_t i = 0; is_well(own) && i < n; ++i) {
+        moving_body *b = moving_body_at(m, &some.bodies, i);
+        b->id = first + i;
+        b->own = b->domain = to->number;
+        b->pose = known->poses[first + i];
+        b->body = known->bodies[first + i];
     }
-    contacts->n = kept;
+    some.bodies.n = is_well(own) ? n : 0;
+    moving_read_bodies(m, &some, own);
+    list_append(&to->bodies, &some.bodies, m->body_bytes);
+    free(some.bodies.items);
 }
 
-// Gives this rank's domains their own of all bodies, which the first one has.
-static bool divide(moving *m, item_list *contacts, duet_error *own)
+// Before any body is there: by where the scene has them.
+static bool cut_scene(moving *m, const duet_motion *known, duet_error *own)
 {
-    bool ok = cut(m, &m->domains[0].bodies, own);
-    if (ok)
-        divide_contacts(m, contacts, own);
-    item_list all = m->domains[0].bodies;
-    m->domains[0].bodies = (item_list){0};
-    ok = ok && is_well(own);
-    for (uint64_t i = 0; ok && i < all.n; ++i) {
-        moving_body *b = moving_body_at(m, &all, i);
-        b->own = b->domain = moving_domain_of(m, b);
-        if (b->own / m->parts != (uint32_t)m->ranks->self)
-            continue;
-        moving_domain *to = &m->domains[b->own % m->parts];
-        list_add(&to->bodies, b, 1, m->body_bytes);
-        ok = !to->bodies.failed ||
-             error_set(own, DUET_STATUS_NO_MEMORY, "a domain's bodies: no memory");
+    item_list points = {0};
+    uint64_t every = moving_sampled(known ? known->n : 0);
+    for (uint32_t i = 0; known && i < known->n; i += (uint32_t)every) {
+        const float *c = known->poses[i].centre;
+        const bisection_point point = {
+            .at = {c[0] + m->def.origin[0], c[1] + m->def.origin[1], c[2] + m->def.origin[2]},
+            .weight = (double)every};
+        list_add(&points, &point, 1, sizeof point);
     }
-    free(all.items);
+    bool ok = moving_cut_by(m, &points, own);
+    free(points.items);
     return ok;
 }
 
-static bool list_all(moving *m, duet_error *own)
+static bool begin_bodies(moving *m, const duet_motion *known, duet_error *own)
 {
-    item_list *all = &m->domains[0].bodies;
-    const duet_motion *motion = m->domains[0].motion;
-    all->items = calloc((size_t)m->n_all + 1, m->body_bytes);
-    if (!all->items)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", m->n_all);
-    all->n = all->capacity = m->n_all;
-    for (uint32_t i = 0; i < m->n_all; ++i) {
-        moving_body *b = moving_body_at(m, all, i);
-        b->id = i;
-        b->own = m->domains[0].number;
-        b->pose = motion->poses[i];
-        b->body = motion->bodies[i];
+    bool ok = cut_scene(m, known, own);
+    for (uint32_t first = 0, n; ok && first < m->n_all; first += n) {
+        n = m->n_all - first < CHUNK ? m->n_all - first : CHUNK;
+        duet_motion *reader = m->domains[0].motion;
+        if (known &&
+            domain_begin_bodies(reader, known->poses + first, known->bodies + first, n, own))
+            add_bodies(m, known, reader, first, n, own);
+        ok = moving_migrate(m, own);
     }
-    moving_read_bodies(m, &m->domains[0], own);
-    return is_well(own);
+    return ok;
+}
+
+// Before the first step nothing touched.
+static void forget_told(const moving *m, const item_list *contacts)
+{
+    for (uint64_t i = 0; m->counts.step == 0 && i < contacts->n; ++i)
+        moving_contact_at(m, contacts, i)->told = 0;
+}
+
+// All bodies are the first domain's own until they migrate.
+static bool deal_bodies(moving *m, duet_motion *known, item_list *contacts, duet_error *own)
+{
+    moving_domain all = {.motion = known, .number = m->domains[0].number};
+    if (known)
+        add_bodies(m, known, known, 0, known->n, own);
+    m->domains[0].n_own = (uint32_t)m->domains[0].bodies.n;
+    bool ok = moving_cut(m, own);
+    all.bodies = m->domains[0].bodies;
+    if (ok && known && moving_pushes(m))
+        moving_read_contacts(m, &all, contacts, own);
+    forget_told(m, contacts);
+    for (uint32_t k = 0; k < m->parts; ++k)
+        forget_told(m, &m->domains[k].contacts);
+    return ok;
 }
 
 // ---------------------------------------------------------------- all of it
 
-static bool load(moving *m, const moving_start *start, item_list *contacts, duet_error *own)
+static bool fill(moving *m, duet_motion *known, const moving_start *start, duet_error *own)
 {
-    m->scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
-    if (!m->scene)
-        return false;
-    m->domains = calloc(m->parts, sizeof *m->domains);
-    if (!m->domains)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
-    if (!open_motions(m, start, own))
-        return false;
-    const duet_motion *first = m->domains[0].motion;
-    m->n_all = first->n;
-    m->counts.bodies = m->n_all;
-    m->body_bytes = sizeof(moving_body) + domain_state_bytes(first);
-    m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
-    return list_all(m, own) && divide(m, contacts, own);
+    item_list contacts = {0};
+    bool ok = open_all(m, known, start, own) &&
+              (begins_on_device(&m->def, start) ? deal_bodies(m, known, &contacts, own)
+                                                : begin_bodies(m, known, own)) &&
+              moving_exchange(m, &contacts, own);
+    free(contacts.items);
+    return ok;
 }
 
 moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
 {
     moving *m = calloc(1, sizeof *m);
-    item_list contacts = {0};
+    duet_motion *known = NULL;
     if (!m)
         error_set(own, DUET_STATUS_NO_MEMORY, "a motion over ranks: no memory");
-    if (!ranks_agree(r, is_well(own), own)) {
-        free(m);
-        return NULL;
+    if (is_well(own) && r->self == 0)
+        known = know_scene(start, own);
+    if (is_well(own) && known && begins_on_device(&known->def, start))
+        open_known(known, start, start->parts == 1 && r->n == 1, own);
+    bool ok = ranks_agree(r, is_well(own), own);
+    if (ok) {
+        m->ranks = r;
+        m->parts = start->parts;
+        m->n_domains = m->parts * (uint32_t)r->n;
+        m->balance.model = work_begin();
+        ok = fill(m, known, start, own);
     }
-    m->ranks = r;
-    m->parts = start->parts;
-    m->n_domains = m->parts * (uint32_t)r->n;
-    ranks_await_turn(r, true); // one rank of a host builds kernels
-    load(m, start, &contacts, own);
-    ranks_end_turn(r);
-    bool ok = ranks_agree(r, is_well(own), own) && moving_exchange(m, &contacts, own);
-    free(contacts.items);
+    duet_motion_destroy(known);
     if (ok)
         return m;
     moving_end(m);
@@ -180,7 +309,6 @@ void moving_end(moving *m)
     halo_end(&m->halo);
     moving_events_end(&m->events);
     bisection_end(&m->cuts);
-    duet_scene_destroy(m->scene);
     free(m);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The world is divided anew once a domain has far more bodies than the mean: borders that the
-// scene's beginning gave do not suit what has fallen or spread since.
+// The world is divided anew once ranks' work is unequal: borders that the scene's beginning gave do
+// not suit what has fallen or spread since.
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
@@ -10,13 +10,15 @@
 // steps.
 enum { SAMPLE_A_DOMAIN = 1 << 13, LEAST_STEPS = 16, FEW_BODIES = 16 };
 
-static const double most_imbalance = 1.2;
+// Far more work than the mean is not waited with. Else as much must be lost as a cut and the
+// exchange after it take, which is about what some steps do.
+static const double most_imbalance = 1.2, price_steps = 4.0;
 
 bool moving_cut_is_due(const moving *m)
 {
-    double mean = (double)m->n_all / m->n_domains;
+    const moving_balance *b = &m->balance;
     return m->n_domains > 1 && m->counts.step >= m->next_cut &&
-           m->most_own > most_imbalance * mean + FEW_BODIES;
+           (b->most > most_imbalance * b->mean + FEW_BODIES || b->lost > price_steps);
 }
 
 typedef struct sampling {
@@ -35,13 +37,19 @@ static void write_point(const void *context, uint64_t i, void *row)
     memcpy(row, &points[i], sizeof *points);
 }
 
-// Centres of own bodies, evenly over them; each stands for as many.
+uint64_t moving_sampled(uint64_t n)
+{
+    return 1 + n / SAMPLE_A_DOMAIN;
+}
+
+// Centres of own bodies, evenly over them; each stands for the work of as many.
 static void sample(const moving *m, const moving_domain *d, item_list *points)
 {
-    uint64_t every = 1 + d->n_own / SAMPLE_A_DOMAIN, n = 0;
+    uint64_t every = moving_sampled(d->n_own), n = 0;
     for (uint64_t i = 0; i < d->bodies.n; ++i) {
         const moving_body *b = moving_body_at(m, &d->bodies, i);
-        bisection_point point = {.weight = (double)every};
+        const double work = work_of(&m->balance.model, 1, moving_ends(d, i));
+        bisection_point point = {.weight = (double)every * work};
         if (!moving_is_own(d, b) || n++ % every != 0)
             continue;
         moving_centre(m, b, point.at);
@@ -51,23 +59,30 @@ static void sample(const moving *m, const moving_domain *d, item_list *points)
 
 // Rank 0 cuts, so that all ranks have the same planes even if their machines round in different
 // ways.
-bool moving_cut(moving *m, duet_error *own)
+bool moving_cut_by(moving *m, const item_list *points, duet_error *own)
 {
-    item_list points = {0};
-    const sampling s = {&points};
+    const sampling s = {points};
     parcels in = {0};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        sample(m, &m->domains[k], &points);
-    if (is_well(own) && points.failed)
+    if (is_well(own) && points->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
-    bool ok = parcels_deal(m->ranks, is_well(own), sizeof(bisection_point), points.n, first_rank,
+    bool ok = parcels_deal(m->ranks, is_well(own), sizeof(bisection_point), points->n, first_rank,
                            write_point, &s, &in, own);
     if (ok && m->ranks->self == 0)
         bisection_cut(&m->cuts, NULL, in.rows, in.n);
     if (ok)
         ranks_broadcast(m->ranks, m->cuts.planes, m->n_domains * sizeof *m->cuts.planes);
-    m->next_cut = m->counts.step + LEAST_STEPS;
-    free(points.items);
     parcels_end(&in);
+    return ok;
+}
+
+bool moving_cut(moving *m, duet_error *own)
+{
+    item_list points = {0};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        sample(m, &m->domains[k], &points);
+    bool ok = moving_cut_by(m, &points, own);
+    m->next_cut = m->counts.step + LEAST_STEPS;
+    m->balance.lost = 0.0;
+    free(points.items);
     return ok;
 }

@@ -17,6 +17,7 @@
 #include "cluster/list.h"
 #include "cluster/moving.h"
 #include "cluster/moving_events.h"
+#include "cluster/work.h"
 #include "runtime/dynamics/domain_motion.h"
 
 // A body as it travels. Its state (domain_state_bytes) lies behind.
@@ -47,21 +48,33 @@ typedef struct moving_domain {
     row_list in_order; // its contacts of COLOUR_OVERFLOW: ascending places among those of all
 } moving_domain;
 
+// Whether ranks have equal work.
+typedef struct moving_balance {
+    work_model model;
+    work_row done;     // by this rank, in steps that were not compared yet
+    uint32_t steps;    // in these
+    uint64_t since_ns; // of the time that this rank is busy
+    double most, mean; // work of the rank that has most of it, and of the mean one
+    double lost;       // steps that the mean rank waited for it, since the last cut
+} moving_balance;
+
 struct moving {
     ranks *ranks;
-    duet_scene *scene; // whole, on each rank
-    duet_motion_def def;
+    duet_motion_def def; // as are, of the whole scene
+    effect_facts facts;
+    double extent;
     uint32_t parts; // domains of each rank
     uint32_t n_domains, n_all;
+    cl_int4 base; // the origin cell that all count from
     size_t body_bytes, contact_bytes;
     bisection cuts;
     moving_domain *domains; // [parts]
     halo halo;
     moving_events events;
     moving_told told;
-    uint64_t n_ghosts;   // of this rank
-    uint64_t next_cut;   // the first step after which the world may be cut anew
-    double most_own;     // bodies of the domain that owns most
+    uint64_t n_ghosts; // of this rank
+    uint64_t next_cut; // the first step after which the world may be cut anew
+    moving_balance balance;
     uint64_t n_in_order; // contacts of COLOUR_OVERFLOW, of all ranks
     moving_counts counts;
 };
@@ -112,6 +125,12 @@ static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32
     return b ? b->id : m->n_all + (place - (uint32_t)d->bodies.n);
 }
 
+// The contacts that push an own body, by their colours in the last step.
+static inline uint32_t moving_ends(const moving_domain *d, uint64_t place)
+{
+    return d->used ? (uint32_t)__builtin_popcount(d->used[place]) : 0;
+}
+
 void moving_centre(const moving *m, const moving_body *b, double at[3]);
 void moving_velocity(const moving *m, const moving_body *b, double velocity[3]);
 
@@ -127,24 +146,38 @@ static inline bool moving_pushes(const moving *m)
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
 }
 
+// Makes a motion without bodies, as a part of all of them.
+duet_motion *moving_create(const moving *m, duet_error *own);
+
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
 
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);
 
+// Brings own bodies to the domains that their centres lie in. Collective.
+bool moving_migrate(moving *m, duet_error *own);
+
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own);
 
-// Whether a domain has far more bodies than the mean, and a cut anew, before bodies change domains.
+// Adds to a step's agreement what this rank had to do, and then what all had; both once a step.
+void moving_note_work(moving *m, tally *t);
+bool moving_compare_work(moving *m, const tally *t, duet_error *own);
+
+// Whether ranks' work is so unequal that a cut pays, and a cut anew, before bodies change domains.
 bool moving_cut_is_due(const moving *m);
 bool moving_cut(moving *m, duet_error *own);
+
+// Cuts by points (bisection_point), for which one in so many of n bodies is enough.
+bool moving_cut_by(moving *m, const item_list *points, duet_error *own);
+uint64_t moving_sampled(uint64_t n);
 
 // Sorts a domain's bodies and contacts, and makes them those of its motion.
 void moving_replace(moving *m, moving_domain *d, duet_error *own);
 
-// Makes all domains' motions, of all bodies, those of a file; not collective.
-bool moving_load(moving *m, const char *path, duet_error *own);
+// Makes a motion of all bodies that of a file; not collective.
+bool moving_load(duet_motion *whole, const char *path, duet_error *own);
 
 // Adds the contacts of a domain's motion, each for the domains that own its ends.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);

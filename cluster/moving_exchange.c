@@ -66,20 +66,28 @@ static item_list *contacts_of(moving_domain *d)
 
 // ---------------------------------------------------------------- own bodies
 
-static bool migrate(moving *m, duet_error *own)
+// Ghosts go, and own bodies that another domain's box holds are sent there.
+static void leave(moving *m, moving_domain *d, item_list *out)
+{
+    uint64_t kept = 0;
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        moving_body *b = moving_body_at(m, &d->bodies, i);
+        if (!moving_is_own(d, b))
+            continue;
+        b->domain = b->own = moving_domain_of(m, b);
+        if (!moving_is_own(d, b))
+            list_add(out, b, 1, m->body_bytes);
+        else
+            memmove(moving_body_at(m, &d->bodies, kept++), b, m->body_bytes);
+    }
+    d->bodies.n = kept;
+}
+
+bool moving_migrate(moving *m, duet_error *own)
 {
     item_list out = {0};
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        moving_domain *d = &m->domains[k];
-        for (uint64_t i = 0; i < d->bodies.n; ++i) {
-            moving_body *b = moving_body_at(m, &d->bodies, i);
-            if (!moving_is_own(d, b))
-                continue;
-            b->domain = b->own = moving_domain_of(m, b);
-            list_add(&out, b, 1, m->body_bytes);
-        }
-        list_clear(&d->bodies);
-    }
+    for (uint32_t k = 0; k < m->parts; ++k)
+        leave(m, &m->domains[k], &out);
     bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
     for (uint32_t k = 0; k < m->parts; ++k)
         m->domains[k].n_own = (uint32_t)m->domains[k].bodies.n;
@@ -313,16 +321,16 @@ static void reserve_used(moving_domain *d, duet_error *own)
 {
     uint32_t *used = realloc(d->used, (d->bodies.n + 1) * sizeof *used);
     d->used = used ? used : d->used;
-    if (!used)
+    if (used)
+        memset(used, 0, d->bodies.n * sizeof *used);
+    else
         error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
 }
 
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
 {
-    for (uint32_t k = 0; k < m->parts; ++k)
-        list_clear(&m->domains[k].contacts);
-    bool ok = migrate(m, own);
+    bool ok = moving_migrate(m, own);
     if (ok && moving_pushes(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
@@ -333,10 +341,7 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
         moving_note_touching(m, own);
     ok = ok && halo_settle(&m->halo, m, own);
     tally t = {.sums = {m->n_ghosts}};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        t.greatest[0] = greater(t.greatest[0], m->domains[k].n_own);
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];
-    m->most_own = t.greatest[0];
     return ok;
 }

@@ -58,13 +58,12 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
                      duet_error *own)
 {
     moving_domain whole = {
-        .motion = duet_motion_create_from_scene(&m->def, m->scene, NULL, own),
+        .motion = moving_create(m, own),
         .bodies = {.items = bodies->rows, .n = bodies->n},
         .contacts = {.items = contacts->rows, .n = contacts->n},
     };
     if (!whole.motion)
         return;
-    whole.motion->step = m->counts.step;
     moving_replace(m, &whole, own);
     if (is_well(own) && domain_make_bounds(whole.motion, own) && domain_lay_rows(whole.motion, own))
         duet_motion_save(whole.motion, path, own);
@@ -93,18 +92,12 @@ bool moving_save(moving *m, const char *path, duet_error *own)
 // ---------------------------------------------------------------- loading
 
 // Bodies that commands hid are in no domain.
-bool moving_load(moving *m, const char *path, duet_error *own)
+bool moving_load(duet_motion *whole, const char *path, duet_error *own)
 {
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        duet_motion *motion = m->domains[k].motion;
-        if (!duet_motion_load(motion, path, own))
-            return false;
-        if (!domain_forget_commands(motion))
-            return error_set(own, DUET_STATUS_BAD_INPUT,
-                             "%s: bodies were removed, disabled, pushed or aimed; several domains "
-                             "have no such bodies yet",
-                             path);
-    }
-    m->counts.step = m->domains[0].motion->step;
-    return true;
+    return duet_motion_load(whole, path, own) &&
+           (domain_forget_commands(whole) ||
+            error_set(own, DUET_STATUS_BAD_INPUT,
+                      "%s: bodies were removed, disabled, pushed or aimed; several domains have no "
+                      "such bodies yet",
+                      path));
 }

@@ -56,6 +56,7 @@ typedef struct contact_row {
 } contact_row;
 
 // A contact goes to the domains that own its ends next, of which this one knows those of its own.
+// Those of this rank get it at once.
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
                         bool is_told, item_list *contacts)
 {
@@ -74,7 +75,9 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
         if (to == UINT32_MAX || to == row.head.domain)
             continue;
         row.head.domain = to;
-        list_add(contacts, &row, 1, m->contact_bytes);
+        list_add(to / m->parts == (uint32_t)m->ranks->self ? &m->domains[to % m->parts].contacts
+                                                           : contacts,
+                 &row, 1, m->contact_bytes);
     }
 }
 
@@ -186,7 +189,7 @@ static void solve(moving *m, solve_pass pass, duet_error *own)
 static bool has_shocks(const moving *m)
 {
     const duet_motion *motion = m->domains[0].motion;
-    return (motion->effects & DUET_EFFECT_SHOCKS) && motion->facts.elastic;
+    return (motion->effects & DUET_EFFECT_SHOCKS) && (motion->facts & FACT_ELASTIC);
 }
 
 // Sweeps go on while something bounced in any domain.
@@ -225,7 +228,7 @@ static bool run_substeps(moving *m, duet_error *own)
     bool ok = true;
     for (uint32_t i = 0; ok && i < m->domains[0].motion->def.substeps; ++i)
         ok = substep(m, own);
-    if (ok && m->domains[0].motion->facts.elastic && !has_shocks(m))
+    if (ok && (m->domains[0].motion->facts & FACT_ELASTIC) && !has_shocks(m))
         solve(m, SOLVE_RESTORE, own);
     return ok;
 }
@@ -274,6 +277,7 @@ static bool respond(moving *m, duet_error *own)
     halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     if (!run_substeps(m, own))
         return false;
+    halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
         push_sleepers(m, own);
@@ -287,9 +291,19 @@ static bool fly(moving *m, duet_error *own)
     return true;
 }
 
+// Contacts, which are long, are here only while they are exchanged.
+static void forget_contacts(moving *m)
+{
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        free(m->domains[k].contacts.items);
+        m->domains[k].contacts = (item_list){0};
+    }
+}
+
 bool moving_settle(moving *m, duet_error *own)
 {
     item_list contacts = {0};
+    forget_contacts(m);
     bool ok = read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
     free(contacts.items);
     return ok;
@@ -327,7 +341,8 @@ static bool settle_where_due(moving *m, duet_error *own)
     tally t = {.sums = {0}};
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
-    if (!ranks_agree_and(m->ranks, is_well(own), &t, own))
+    moving_note_work(m, &t);
+    if (!ranks_agree_and(m->ranks, is_well(own), &t, own) || !moving_compare_work(m, &t, own))
         return false;
     return (t.sums[0] == 0 && !moving_cut_is_due(m)) || moving_settle(m, own);
 }
@@ -359,6 +374,7 @@ static bool step_together(moving *m, duet_error *own)
 
 bool moving_step(moving *m, duet_error *own)
 {
+    forget_contacts(m);
     bool ok = m->n_domains == 1 ? step_alone(m, own) : step_together(m, own);
     m->counts.step += ok;
     return ok;

@@ -27,45 +27,58 @@ typedef struct seen {
 
 // Own beats are counted and no time, so that ranks that were all stopped together, and go on, do
 // not report each other.
-static bool is_silent(rank_watch *w, int i)
+static void see(seen *s, uint64_t beats, bool counts)
 {
-    seen *s = &w->seen[i];
-    uint64_t beats = atomic_load(&w->seats[i].beats);
-    bool moves = beats != s->beats || beats == GONE || i == w->all.self_on_host;
-    s->silent = moves ? 0 : s->silent + 1;
+    s->silent = beats == s->beats && counts ? s->silent + 1 : 0;
     s->beats = beats;
+}
+
+static bool is_silent(const seen *s)
+{
     return s->silent >= BEATS;
 }
 
-static void report(const rank_watch *w, int i, bool silent)
+static void report(const rank_watch *w, seen *s, int rank, const char *host_name, int pid)
 {
     char line[512];
-    const rank_seat *seat = &w->seats[i];
-    int n = snprintf(line, sizeof line, "rank %d of %d (host %s, pid %d) ", seat->rank, w->all.n,
-                     w->all.host_name, seat->pid);
-    if (silent)
+    int n = snprintf(line, sizeof line, "rank %d of %d (host %s, pid %d) ", rank, w->all.n,
+                     host_name, pid);
+    s->reported = is_silent(s);
+    if (s->reported)
         snprintf(line + n, sizeof line - (size_t)n, "has not answered for %g s", w->seconds);
     else
         snprintf(line + n, sizeof line - (size_t)n, "answers again");
     w->say(line);
 }
 
-// The first rank that is not silent reports the silent ranks.
-static void check_all(rank_watch *w)
+// The first rank of this host that is not silent reports the silent ones.
+static void check_host(rank_watch *w)
 {
     int first = -1;
     atomic_fetch_add(&w->seats[w->all.self_on_host].beats, 1);
     for (int i = 0; i < w->all.n_on_host; ++i) {
-        bool silent = is_silent(w, i);
-        first = first < 0 && !silent ? i : first;
+        uint64_t beats = atomic_load(&w->seats[i].beats);
+        see(&w->seen[i], beats, beats != GONE && i != w->all.self_on_host);
+        first = first < 0 && !is_silent(&w->seen[i]) ? i : first;
     }
     for (int i = 0; i < w->all.n_on_host; ++i) {
         seen *s = &w->seen[i];
-        bool silent = s->silent >= BEATS;
-        if (silent == s->reported || (silent && first != w->all.self_on_host))
-            continue;
-        s->reported = silent;
-        report(w, i, silent);
+        const rank_seat *seat = &w->seats[i];
+        if (is_silent(s) != s->reported && (!is_silent(s) || first == w->all.self_on_host))
+            report(w, s, seat->rank, w->all.host_name, seat->pid);
+    }
+}
+
+static void check_other_hosts(rank_watch *w)
+{
+    beacon_send(&w->beacon);
+    beacon_hear(&w->beacon);
+    for (int i = 0; i < w->beacon.n_heard; ++i) {
+        seen *s = &w->seen[w->all.n_on_host + i];
+        const beacon_rank *far = &w->beacon.heard[i];
+        see(s, far->beats, far->beats > 0);
+        if (is_silent(s) != s->reported)
+            report(w, s, far->rank, far->host_name, far->pid);
     }
 }
 
@@ -89,7 +102,8 @@ static void *watch(void *of)
     while (!w->ends) {
         if (pthread_cond_timedwait(&w->ended, &w->lock, &at) != ETIMEDOUT)
             continue;
-        check_all(w);
+        check_host(w);
+        check_other_hosts(w);
         at = next_beat(w);
     }
     pthread_mutex_unlock(&w->lock);
@@ -119,8 +133,9 @@ bool rank_watch_begin(rank_watch *w, double seconds, void (*say)(const char *lin
     rank_seat *own = &w->seats[w->all.self_on_host];
     own->rank = w->all.self;
     own->pid = (int)getpid();
-    w->seen = calloc((size_t)w->all.n_on_host, sizeof *w->seen);
-    w->watches = seconds > 0 && w->all.n_on_host > 1 && w->seen && begin_thread(w);
+    beacon_begin(&w->beacon, &w->all);
+    w->seen = calloc((size_t)w->all.n_on_host + (size_t)w->beacon.n_heard, sizeof *w->seen);
+    w->watches = seconds > 0 && w->all.n > 1 && w->seen && begin_thread(w);
     if (!w->watches)
         atomic_store(&own->beats, GONE);
     ranks_wait(&w->all);
@@ -140,7 +155,9 @@ void rank_watch_end(rank_watch *w)
         pthread_mutex_destroy(&w->lock);
     }
     free(w->seen);
-    if (w->seats)
+    if (w->seats) {
+        beacon_end(&w->beacon);
         ranks_unshare(&w->window);
+    }
     ranks_end(&w->all);
 }

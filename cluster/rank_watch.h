@@ -2,12 +2,13 @@
 // Tells of ranks on this host that no longer answer: processes that were stopped or get no time,
 // for which the others would wait without a word.
 //
-// A thread of each rank counts in memory that the ranks of a host share. A rank that computes or
-// waits counts on, and a stopped one does not. Steps are not touched. Nobody watches a rank that is
-// alone on its host.
+// A thread of each rank counts in memory that the ranks of a host share, and of a rank that is
+// alone on its host in datagrams. A rank that computes or waits counts on, and a stopped one does
+// not. Steps are not touched.
 #ifndef CLUSTER_RANK_WATCH_H
 #define CLUSTER_RANK_WATCH_H
 
+#include "cluster/beacon.h"
 #include "cluster/ranks.h"
 
 #include <pthread.h>
@@ -18,7 +19,8 @@ typedef struct rank_watch {
     ranks all;
     MPI_Win window;
     rank_seat *seats;  // [n_on_host], shared
-    struct seen *seen; // [n_on_host], what this rank has seen of each
+    beacon beacon;     // of ranks that are alone on their hosts
+    struct seen *seen; // [n_on_host], then of those that the beacon hears: what was seen of each
     double seconds;    // seconds of silence, after which a rank is reported
     pthread_mutex_t lock;
     pthread_cond_t ended;

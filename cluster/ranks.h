@@ -7,6 +7,7 @@
 #ifndef CLUSTER_RANKS_H
 #define CLUSTER_RANKS_H
 
+#include "base/clock.h"
 #include "duet_error.h"
 
 #include <mpi.h>
@@ -38,6 +39,7 @@ typedef struct ranks {
     bool began_mpi;
     uint64_t *counts; // [2][n] sent to each rank, and received from each
     uint64_t wait_ns; // spent in the calls below
+    uint64_t spun_ns; // of this process's processor time, likewise
     uint64_t sent_bytes;
     char host_name[MPI_MAX_PROCESSOR_NAME];
 } ranks;
@@ -57,11 +59,13 @@ void ranks_unshare(MPI_Win *window);
 extern uint64_t (*ranks_now_ns)(void);
 
 // For parcels.c: a statement in which this rank may have to wait.
-#define RANKS_WAITING(r, statement)                 \
-    do {                                            \
-        uint64_t begun_ns_ = ranks_now_ns();        \
-        statement;                                  \
-        (r)->wait_ns += ranks_now_ns() - begun_ns_; \
+#define RANKS_WAITING(r, statement)                    \
+    do {                                               \
+        uint64_t begun_ns_ = ranks_now_ns();           \
+        uint64_t spun_ns_ = clock_process_ns();        \
+        statement;                                     \
+        (r)->wait_ns += ranks_now_ns() - begun_ns_;    \
+        (r)->spun_ns += clock_process_ns() - spun_ns_; \
     } while (0)
 
 // Every rank's err, unless NULL, becomes the err of the failing rank. Returns false.

@@ -221,8 +221,7 @@ static global_ids ids_of(const search_set *s)
         .without = o->leavers.rows,
         .n_without = s->n_leavers,
         .changed = o->renamed.rows,
-        .n_changed = in_place ? o->renamed.n : 0,
-        .all_changed = !in_place || o->renamed.failed,
+        .n_changed = in_place && !o->renamed.failed ? o->renamed.n : ALL_IDS_CHANGED,
     };
 }
 

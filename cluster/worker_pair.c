@@ -44,7 +44,7 @@ static void *map_with_spare(worker_pair *p, uint32_t n, duet_error *err)
 // Into more memory. Without it the objects stay where they are.
 static void *grow(worker_pair *p, uint32_t n, uint32_t kept, duet_error *err)
 {
-    host_block *now = &p->world->objects, before = *now;
+    host_block *now = &p->world->objects_block, before = *now;
     world_cancel_prefetch(p->world);
     *now = (host_block){0};
     void *objects = map_with_spare(p, n, err);

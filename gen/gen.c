@@ -128,10 +128,45 @@ void gen_close(gen *g)
     if (!g)
         return;
     for (uint32_t i = 0; i < g->n_kernels; ++i)
-        kernel_forget(&g->kernels[i]);
+        kernel_close(&g->kernels[i]);
     free(g->kernels);
     free(g->dir);
     free(g);
+}
+
+// The kernel of that name without what it had; one that is new, if there is none.
+static kernel *make_place(gen *g, const char *name, duet_error *err)
+{
+    text file = {0};
+    text_add(&file, "%s.lua", name);
+    kernel *k = g->kernels;
+    while (k < g->kernels + g->n_kernels && strcmp(k->name, name) != 0)
+        ++k;
+    bool is_new = k == g->kernels + g->n_kernels;
+    bool ok = text_ok(&file, err) && (!is_new || add_kernel(g, file.chars, err));
+    text_free(&file);
+    if (!ok)
+        return NULL;
+    if (is_new)
+        return &g->kernels[g->n_kernels - 1];
+    kernel_close(k);
+    k->given_card = k->given_text = NULL;
+    return k;
+}
+
+bool gen_add(gen *g, const char *name, const char *card_text, const char *body, duet_error *err)
+{
+    if (!*name || strpbrk(name, "./"))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "a kernel's name is '%.48s'; expected letters and digits", name);
+    kernel *k = make_place(g, name, err);
+    if (!k)
+        return false;
+    *k->folder = '\0';
+    k->given_card = strdup(card_text);
+    k->given_text = strdup(body);
+    return (k->given_card && k->given_text) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", name);
 }
 
 const char *gen_kernel(const gen *g, uint32_t i)
@@ -141,7 +176,10 @@ const char *gen_kernel(const gen *g, uint32_t i)
 
 const char *gen_built_ins(const gen *g)
 {
-    return g->dir ? NULL : blob_find("kernels/built_ins.clh")->bytes;
+    bool carried = !g->dir;
+    for (uint32_t i = 0; i < g->n_kernels; ++i)
+        carried &= !g->kernels[i].given_text;
+    return carried ? blob_find("kernels/built_ins.clh")->bytes : NULL;
 }
 
 // ---------------------------------------------------------------- what varies

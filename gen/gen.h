@@ -21,6 +21,10 @@ typedef struct gen gen;
 gen *gen_open(const char *kernel_dir, duet_error *err);
 void gen_close(gen *g);
 
+// Adds a kernel that no file has, in the place of one of that name. Card and text are copied. What
+// was read of the kernels before is no longer valid.
+bool gen_add(gen *g, const char *name, const char *card_text, const char *body, duet_error *err);
+
 // Limits of a device, which decide which configs are valid.
 typedef struct gen_limits {
     uint32_t max_group;
@@ -95,8 +99,8 @@ void gen_variant_free(gen_variant *variant);
 // The kernels there are: NULL past the end.
 const char *gen_kernel(const gen *g, uint32_t i);
 
-// Declarations of all built-in functions that the carried kernels call; NULL if the kernels
-// are a folder's, which may call others.
+// Declarations of all built-in functions that the carried kernels call; NULL if some kernels
+// are a folder's or were added, which may call others.
 const char *gen_built_ins(const gen *g);
 
 // A parameter that a kernel lets vary. The strings and values are the gen's.

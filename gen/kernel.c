@@ -44,15 +44,25 @@ static bool read_file(const char *dir, const char *file, text *path, text *chars
 
 // The name does not depend on the folder, so that equal kernels have equal
 // text wherever they were read from.
+static void begin_file(const char *file, text *out)
+{
+    text_add(out, "#line 1 \"kernels/%s\"\n", file);
+}
+
+static bool end_file(text *out, duet_error *err)
+{
+    if (text_ok(out, NULL) && out->chars[out->length - 1] != '\n')
+        text_add(out, "\n");
+    return text_ok(out, err);
+}
+
 static bool add_file(const char *dir, const char *file, text *out, duet_error *err)
 {
     text path = {0};
-    text_add(out, "#line 1 \"kernels/%s\"\n", file);
+    begin_file(file, out);
     bool ok = read_file(dir, file, &path, out, err);
     text_free(&path);
-    if (ok && out->chars[out->length - 1] != '\n')
-        text_add(out, "\n");
-    return ok && text_ok(out, err);
+    return ok && end_file(out, err);
 }
 
 // ---------------------------------------------------------------- parts
@@ -72,12 +82,24 @@ void kernel_forget(kernel *k)
     k->is_read = false;
 }
 
+void kernel_close(kernel *k)
+{
+    kernel_forget(k);
+    free(k->given_card);
+    free(k->given_text);
+}
+
 static bool read_card(const char *dir, kernel *k, duet_error *err)
 {
     char file[FILE_SIZE];
     snprintf(file, sizeof file, "%s%s.lua", k->folder, k->name);
     text path = {0}, chars = {0};
-    k->is_read = read_file(dir, file, &path, &chars, err) &&
+    if (k->given_card) {
+        text_add(&path, "the card of %s", k->name);
+        text_add(&chars, "%s", k->given_card);
+    }
+    k->is_read = (k->given_card ? text_ok(&path, err) && text_ok(&chars, err)
+                                : read_file(dir, file, &path, &chars, err)) &&
                  card_open(&k->card, k->name, path.chars, &chars, err);
     text_free(&path);
     text_free(&chars);
@@ -110,6 +132,11 @@ static bool read_body(const char *dir, kernel *k, duet_error *err)
     char plain[FILE_SIZE], shaped[FILE_SIZE];
     snprintf(plain, sizeof plain, "%s%s.cl", k->folder, k->name);
     snprintf(shaped, sizeof shaped, "%s%s.cl.in", k->folder, k->name);
+    if (k->given_text) {
+        begin_file(plain, &k->plain);
+        text_add_bytes(&k->plain, k->given_text, strlen(k->given_text));
+        return end_file(&k->plain, err);
+    }
     if (!file_exists(dir, shaped))
         return add_file(dir, plain, &k->plain, err);
     if (file_exists(dir, plain))

@@ -26,7 +26,8 @@ enum { KERNEL_MADE = 2 }; // a world that changes between two plans makes each t
 
 typedef struct kernel {
     char name[48];
-    char folder[32]; // within the kernels' folder, "grid/", or ""
+    char folder[32];               // within the kernels' folder, "grid/", or ""
+    char *given_card, *given_text; // in the place of files; NULL: files
     bool is_read;
     card card;
     valid_configs valid;
@@ -47,5 +48,6 @@ struct gen {
 // NAME.cl.in; every one that is missing is NOT_FOUND with its path.
 kernel *kernel_find(gen *g, const char *name, duet_error *err);
 void kernel_forget(kernel *k);
+void kernel_close(kernel *k); // also what was given
 
 #endif

@@ -114,6 +114,7 @@ api.others = {
     "duet_world_bring_pairs", "duet_world_get_pair_buffers", "duet_world_step_begin_event",
     "duet_motion_copy_states", "duet_task_set_buffer",
   },
+  ["a task file: scripts are Lua as it is"] = { "duet_task_file_create" },
   ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {

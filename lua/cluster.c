@@ -17,69 +17,41 @@
 // The calls of libduet_cluster, which is loaded when a script asks for its first cluster: nothing
 // else of this module knows MPI. That library holds all of Duet once more, so no object of ours
 // may go into one of its calls: only numbers, texts, and rows.
-typedef struct cluster_library {
-    const char *(*version)(void);
-    duet_cluster_def (*default_def)(void);
-    duet_cluster *(*create)(const duet_cluster_def *, duet_error *);
-    void (*destroy)(duet_cluster *);
-    int (*get_rank)(const duet_cluster *);
-    int (*get_rank_count)(const duet_cluster *);
-    bool (*load_scene)(duet_cluster *, const char *, const duet_setting *, uint32_t, duet_error *);
-    const duet_scene_info *(*get_scene_info)(const duet_cluster *);
-    bool (*set_objects)(duet_cluster *, duet_object_kind, const uint64_t *, const void *, uint32_t,
-                        duet_error *);
-    void *(*map_owned)(duet_cluster *, duet_object_kind, const uint64_t **, uint32_t *,
-                       duet_error *);
-    bool (*set_plan)(duet_cluster *, const duet_plan *, duet_error *);
-    bool (*load_profile)(duet_cluster *, const char *, duet_profile *, duet_error *, duet_error *);
-    bool (*set_level)(duet_cluster *, duet_level, duet_error *);
-    bool (*step)(duet_cluster *, duet_cluster_result *, duet_error *);
-    bool (*get_own_pairs)(duet_cluster *, const duet_pair64 **, uint64_t *, duet_error *);
-    bool (*get_ranks)(duet_cluster *, duet_cluster_rank *, duet_error *);
-    bool (*save_pairs)(duet_cluster *, const char *, bool, duet_error *);
-    bool (*begin_motion)(duet_cluster *, const char *, const duet_setting *, uint32_t, const char *,
-                         duet_error *);
-    uint64_t (*get_motion_step)(const duet_cluster *);
-    bool (*advance)(duet_cluster *, duet_cluster_motion_result *, duet_error *);
-    bool (*get_state_hash)(duet_cluster *, uint64_t *, duet_error *);
-    bool (*save_motion)(duet_cluster *, const char *, duet_error *);
-} cluster_library;
+#define CLUSTER_CALLS(X)                             \
+    X(version, duet_version)                         \
+    X(default_def, duet_default_cluster_def)         \
+    X(create, duet_cluster_create)                   \
+    X(destroy, duet_cluster_destroy)                 \
+    X(get_rank, duet_cluster_get_rank)               \
+    X(get_rank_count, duet_cluster_get_rank_count)   \
+    X(load_scene, duet_cluster_load_scene)           \
+    X(get_scene_info, duet_cluster_get_scene_info)   \
+    X(set_objects, duet_cluster_set_objects)         \
+    X(map_owned, duet_cluster_map_owned)             \
+    X(set_plan, duet_cluster_set_plan)               \
+    X(load_profile, duet_cluster_load_profile)       \
+    X(set_level, duet_cluster_set_level)             \
+    X(step, duet_cluster_step)                       \
+    X(get_own_pairs, duet_cluster_get_own_pairs)     \
+    X(get_ranks, duet_cluster_get_ranks)             \
+    X(save_pairs, duet_cluster_save_pairs)           \
+    X(begin_motion, duet_cluster_begin_motion)       \
+    X(get_motion_step, duet_cluster_get_motion_step) \
+    X(advance, duet_cluster_advance)                 \
+    X(get_state_hash, duet_cluster_get_state_hash)   \
+    X(save_motion, duet_cluster_save_motion)
 
-#define CALL(member, name)                      \
-    {                                           \
-        name, offsetof(cluster_library, member) \
-    }
+#define TYPE_OF(member, call) __typeof__(&(call)) member;
+#define NAME_OF(member, call) {#call, offsetof(cluster_library, member)},
+
+typedef struct cluster_library {
+    CLUSTER_CALLS(TYPE_OF)
+} cluster_library;
 
 static const struct {
     const char *name;
     size_t place;
-} call_names[] = {
-    CALL(version, "duet_version"),
-    CALL(default_def, "duet_default_cluster_def"),
-    CALL(create, "duet_cluster_create"),
-    CALL(destroy, "duet_cluster_destroy"),
-    CALL(get_rank, "duet_cluster_get_rank"),
-    CALL(get_rank_count, "duet_cluster_get_rank_count"),
-    CALL(load_scene, "duet_cluster_load_scene"),
-    CALL(get_scene_info, "duet_cluster_get_scene_info"),
-    CALL(set_objects, "duet_cluster_set_objects"),
-    CALL(map_owned, "duet_cluster_map_owned"),
-    CALL(set_plan, "duet_cluster_set_plan"),
-    CALL(load_profile, "duet_cluster_load_profile"),
-    CALL(set_level, "duet_cluster_set_level"),
-    CALL(step, "duet_cluster_step"),
-    CALL(get_own_pairs, "duet_cluster_get_own_pairs"),
-    CALL(get_ranks, "duet_cluster_get_ranks"),
-    CALL(save_pairs, "duet_cluster_save_pairs"),
-    CALL(begin_motion, "duet_cluster_begin_motion"),
-    CALL(get_motion_step, "duet_cluster_get_motion_step"),
-    CALL(advance, "duet_cluster_advance"),
-    CALL(get_state_hash, "duet_cluster_get_state_hash"),
-    CALL(save_motion, "duet_cluster_save_motion"),
-};
-
-_Static_assert(sizeof(cluster_library) == sizeof call_names / sizeof *call_names * sizeof(void *),
-               "a name for each call");
+} call_names[] = {CLUSTER_CALLS(NAME_OF)};
 
 // All of them, or the name of the first that is not there.
 static const char *find_calls(void *library, cluster_library *found)
@@ -209,6 +181,9 @@ static const member motion_members[] = {
     MEMBER(member_count, duet_cluster_motion_result, contacts),
     MEMBER(member_count, duet_cluster_motion_result, colours),
     MEMBER(member_double, duet_cluster_motion_result, total_ms),
+    MEMBER(member_double, duet_cluster_motion_result, slowest_ms),
+    MEMBER(member_double, duet_cluster_motion_result, mean_ms),
+    MEMBER(member_count, duet_cluster_motion_result, slowest_rank),
     {0},
 };
 

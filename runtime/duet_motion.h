@@ -351,7 +351,8 @@ typedef struct duet_substep_info {
     bool chosen; // the def left them to the motion
     uint32_t
         layers;  // if chosen: bodies on each other in the column that decides; 0: nothing stands
-    double edge; // if chosen: the column's least width^2 / height
+    double edge; // if chosen: the column's least width^2 / height; of one that leans the width is
+                 // twice the way from where its weight presses to the rim of what bears it
 } duet_substep_info;
 
 DUET_API bool duet_motion_explain_substeps(const duet_motion *motion, duet_substep_info *info);

@@ -3,8 +3,8 @@
 //
 // A task file says what the arguments are, how many items there are, and what is right; beside it
 // lie the kernel's text and its card (docs/tasks.md). An application ships the three with a store
-// of profiles: it creates a task, loads the plan that was measured for it, and in each frame sets
-// arguments, runs, and reads what the kernel wrote.
+// of profiles, or says in C what a task file would: it creates a task, loads the plan that was
+// measured for it, and in each frame sets arguments, runs, and reads what the kernel wrote.
 #ifndef DUET_TASK_H
 #define DUET_TASK_H
 
@@ -15,15 +15,66 @@
 
 DUET_C_BEGIN
 
-// ---------------------------------------------------------------- task files
+// ---------------------------------------------------------------- what a task is
 
-// A task as its file describes it, with what is right: duet_tune_run tunes it.
+// An argument of a task that has no file. What is zero or NULL a task file would leave out.
+typedef struct duet_task_arg_def {
+    const char *name;     // the card's
+    double number;        // unless it is an array; duet_task_set_integer sets those of 64 bits
+    const char *type;     // of an element of an array, "float4"; NULL: it is a number
+    uint64_t elements;    // number of them in an array
+    const char *access;   // to an array, as in duet_task_arg; NULL: "all"
+    uint64_t halo;        // items before and behind a "slice" that are read too
+    const char *send;     // "once": an array that is read stays on the devices; NULL: "each"
+    const void *initial;  // [elements] before a run, of an array that is read; NULL: zeros
+    const void *expected; // [elements] behind one, of an array that is written; NULL: the
+                          // reference finds it
+} duet_task_arg_def;
+
+// A kernel that a program carries: what else lies in NAME.lua and NAME.cl.
+typedef struct duet_kernel_text {
+    const char *name;
+    const char *card; // Lua, as docs/generation.md has it
+    const char *text; // OpenCL C
+} duet_kernel_text;
+
+// A task: a file, or else what a file would say. All is copied by the call that takes it.
+typedef struct duet_task_def {
+    duet_device_pair *pair;       // held until the task is destroyed
+    duet_plan plan;               // only share and variants count: a task has no modes
+    const char *path;             // task file; NULL: the members behind n_settings say it
+    const duet_setting *settings; // [n_settings] of the file's parameters
+    uint32_t n_settings;
+
+    const char *folder; // with the kernel's card and text, unless the pair has a kernel_dir
+    const char *kernel; // the name of its card
+    const duet_kernel_text *kernels; // [n_kernels] that are in no folder
+    uint32_t n_kernels;
+    const char *entry;             // the kernel function in it; NULL: of the same name
+    const duet_task_arg_def *args; // [n_args] in any order, all but `first` and `last`
+    uint32_t n_args;
+    uint64_t items;
+    uint64_t work;           // work-units of an item; 0: 1
+    const char *reference;   // the kernel that finds what is right; NULL: this one on device B
+    double tolerance;        // part of the greater of 1 and what is expected; 0: exact
+    const duet_setting *key; // [n_key] words that tell it from others of its kernel, as "bins";
+    uint32_t n_key;          // "n" is the size by which plans of other sizes are found: NULL: items
+    int cookie;
+} duet_task_def;
+
+DUET_API duet_task_def duet_default_task_def(void);
+
+// A task with what is right: duet_tune_run tunes it.
 typedef struct duet_task_file duet_task_file;
 
 // Reads a task file with these settings of its parameters. NOT_FOUND names the path, BAD_INPUT the
 // file and the field, BAD_ARGUMENT a parameter that the file does not declare.
 DUET_API duet_task_file *duet_task_file_load(const char *path, const duet_setting *settings,
                                              uint32_t n_settings, duet_error *err);
+
+// Makes the same of a def, of which pair and plan do not count: a task that an application has in C
+// alone is tuned, and each launch checked. BAD_ARGUMENT names the kernel and the member.
+DUET_API duet_task_file *duet_task_file_create(const duet_task_def *def, duet_error *err);
 DUET_API void duet_task_file_destroy(duet_task_file *file);
 
 // ---------------------------------------------------------------- tasks
@@ -31,22 +82,12 @@ DUET_API void duet_task_file_destroy(duet_task_file *file);
 // A task on a device pair, run again and again. A task belongs to one thread at a time.
 typedef struct duet_task duet_task;
 
-typedef struct duet_task_def {
-    duet_device_pair *pair;       // held until the task is destroyed
-    const char *path;             // task file; read by duet_task_create alone
-    const duet_setting *settings; // [n_settings] of the file's parameters
-    uint32_t n_settings;
-    duet_plan plan; // only share and variants count: a task has no modes
-    int cookie;
-} duet_task_def;
-
-DUET_API duet_task_def duet_default_task_def(void);
-
 // Creates a task: makes its arrays on both devices, and builds its kernels. Card and text of the
-// kernel are in the pair's kernel_dir, or else in the folder of the task file. Arrays hold what the
-// file gives them. The reference is not read, and no launch is checked: duet_tune_run and 'duet run
-// --task' check. Errors as of duet_task_file_load; BAD_INPUT also names an argument that the card
-// has otherwise, BUILD_FAILED the kernel and the compiler's first line.
+// kernel are in the pair's kernel_dir, or else in the folder of the task file, or the def's. Arrays
+// hold what file or def gives them. What is right is not read, and no launch is checked:
+// duet_tune_run and 'duet run --task' check. Errors as of duet_task_file_load and _create;
+// BAD_INPUT also names an argument that the card has otherwise, BUILD_FAILED the kernel and the
+// compiler's first line.
 DUET_API duet_task *duet_task_create(const duet_task_def *def, duet_error *err);
 DUET_API void duet_task_destroy(duet_task *task);
 

@@ -139,8 +139,8 @@ static bool run_listed(void *context, const listed_plan *plan, search_sample *fr
     const duet_online *o = context;
     duet_world *world = o->def.world;
     duet_result result;
-    if (!world->resident.mem && world->rows == world->objects.bytes)
-        ++world->objects_generation;
+    if (!world->resident.mem && world->objects.all.rows == world->objects_block.bytes)
+        world_renew_objects(world);
     return step(o, plan, &result, frame, NULL);
 }
 
@@ -169,7 +169,7 @@ static bool learn(duet_online *o, duet_error *err)
     listed_plan plan;
     duet_result result;
     plan_runner runner = {o, run_listed};
-    bool steps = o->def.world->n > 0 && duet_world_step(o->def.world, &result, NULL);
+    bool steps = o->def.world->objects.all.n > 0 && duet_world_step(o->def.world, &result, NULL);
     if (!list_plan(o, &plan, err))
         return false;
     bool ok = can_be_set(o, err);

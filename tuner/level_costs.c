@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/sorted_pairs.h"
+#include "tuner/core_spread.h"
 #include "tuner/stats.h"
 
 #include <math.h>
@@ -95,7 +96,7 @@ static bool step_in_quiet(survey *s, duet_error *err)
 {
     bool disturbed = true;
     for (int i = 0; i < TRIES && disturbed; ++i) {
-        core_watch_start(s->cores);
+        core_watch_start(s->cores, core_spread(s->def->pair));
         if (!step(s, err))
             return false;
         disturbed = core_watch_stop(s->cores).disturbed;

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
+#include "tuner/core_spread.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -116,7 +117,7 @@ static bool run(run_state *q, const duet_plan *plan, bool staged, sums *s, duet_
 {
     duet_motion_result step;
     bool ok = begin(q, plan, staged, err) && duet_motion_advance(q->motion, &step, err);
-    core_watch_start(q->cores);
+    core_watch_start(q->cores, core_spread(q->def.pair));
     for (uint32_t i = 1; ok && i < q->steps; ++i) {
         ok = duet_motion_advance(q->motion, &step, err);
         if (ok)

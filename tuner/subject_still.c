@@ -8,6 +8,7 @@
 #include "runtime/narrowphase/origin.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/sorted_pairs.h"
+#include "tuner/core_spread.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -39,7 +40,7 @@ static bool open(subject *s, duet_error *err)
     if (!world || !duet_world_set_scene(world, s->def->scene, err))
         return false;
     s->plan = *duet_world_get_plan(world);
-    s->units = world->n;
+    s->units = world->objects.all.n;
     return true;
 }
 
@@ -173,7 +174,7 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
 static bool hand_over_objects(duet_world *world, duet_error *err)
 {
     duet_object_kind kind = origin_row_kind(world->def.shape, world->def.origin_edge);
-    return duet_world_map_objects(world, kind, world->n, err);
+    return duet_world_map_objects(world, kind, world->objects.all.n, err);
 }
 
 static bool step(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
@@ -185,7 +186,7 @@ static bool step(void *context, const duet_plan *plan, bool staged, measure_laun
     world->def.stage_times = staged;
     if (!duet_world_set_plan(world, plan, err) || !hand_over_objects(world, err))
         return false;
-    core_watch_start(s->cores);
+    core_watch_start(s->cores, core_spread(s->pair));
     if (!duet_world_step(world, &result, err))
         return false;
     core_use use = core_watch_stop(s->cores);

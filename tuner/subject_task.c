@@ -4,6 +4,7 @@
 #include "tuner/subject.h"
 
 #include "runtime/task/task_launch.h"
+#include "tuner/core_spread.h"
 
 static bool open(subject *s, duet_error *err)
 {
@@ -31,7 +32,7 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
     subject *s = context;
     task_result r;
     (void)staged;
-    core_watch_start(s->cores);
+    core_watch_start(s->cores, core_spread(s->pair));
     if (!task_launch(s->state, plan, &r, err))
         return false;
     *out = (measure_launch){.total_ns = measure_to_ns(r.total_ms),

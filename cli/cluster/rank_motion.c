@@ -23,7 +23,8 @@ typedef struct moved {
     rank_frames frames;
     duet_cluster_motion_result last;
     double all_ms;
-    uint64_t n_steps; // of this run, which may go on from a checkpoint
+    double slowest_ms, mean_ms; // that ranks were busy, in all steps
+    uint64_t n_steps;           // of this run, which may go on from a checkpoint
     uint64_t hash;
     bool is_stopped;
 } moved;
@@ -83,6 +84,8 @@ static bool run_steps(moved *r, duet_error *err)
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
         ok = duet_cluster_advance(r->cluster, &r->last, err);
         r->all_ms += r->last.total_ms;
+        r->slowest_ms += r->last.slowest_ms;
+        r->mean_ms += r->last.mean_ms;
         ++r->n_steps;
         uint64_t stops = ok && !budget_check_stop(NULL);
         if (ok)
@@ -107,6 +110,9 @@ static bool report(const moved *r, duet_error *err)
              NUMBER("steps", last->step), NUMBER("ms_a_step", mean_ms),
              NUMBER("contacts", last->contacts), NUMBER("colours", last->colours),
              NUMBER("ghosts", last->ghosts));
+    if (r->mean_ms > 0)
+        json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
+                 NUMBER("slowest_rank", last->slowest_rank));
     json_add_hash(o, r->hash);
     return rendering_tell(o, r->args->json, "cli/report/ranks_motion.lua", err);
 }

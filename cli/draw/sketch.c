@@ -16,12 +16,13 @@ static const uint32_t NOT_DRAWN = UINT32_MAX;
 static grid_objects objects_of(const duet_scene *scene)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
-    return (grid_objects){.array = duet_scene_get_objects(scene, scene_kind(info)),
-                          .row_bytes = origin_row_bytes(info->shape, info->origin_edge),
+    return (grid_objects){.kind = scene_kind(info),
                           .shape = info->shape,
+                          .dims = info->dims,
                           .origin = info->origin_edge,
-                          .n = info->n,
-                          .dims = info->dims};
+                          .all = {.rows = duet_scene_get_objects(scene, scene_kind(info)),
+                                  .row_bytes = origin_row_bytes(info->shape, info->origin_edge),
+                                  .n = info->n}};
 }
 
 static void centre_of(const sketch *s, const duet_scene *scene, uint32_t id, double centre[3])
@@ -38,11 +39,11 @@ static duet_rounded_box box_of(const sketch *s, const duet_scene *scene, uint32_
     duet_rounded_box box = {.pose.rotation = {0, 0, 0, 1}};
     double centre[3];
     if (s->info->shape == DUET_SHAPE_BOUNDS) {
-        const duet_bounds *b = &((const duet_bounds *)objects.array)[id];
+        const duet_bounds *b = &((const duet_bounds *)objects.all.rows)[id];
         for (int k = 0; k < 3; ++k)
             box.pose.half_extents[k] = 0.5F * b->upper[k] - 0.5F * b->lower[k];
     } else if (s->info->shape == DUET_SHAPE_POSES) {
-        box.pose = *origin_pose(objects.array, objects.origin, id);
+        box.pose = *origin_pose(objects.all.rows, objects.origin, id);
     } else {
         box = scene_rounded_box(scene, id);
     }
@@ -89,11 +90,9 @@ static bool lay_grid(sketch *s, const duet_scene *scene, duet_error *err)
 {
     const duet_scene_info *info = s->info;
     grid_needs needs;
-    grid_wish wish = {.has_world = info->has_world, .edge = (double)info->cell};
-    for (int k = 0; k < 3; ++k) {
-        wish.lower[k] = info->lower[k];
-        wish.upper[k] = info->upper[k];
-    }
+    const grid_wish wish = {.lower = info->has_world ? info->lower : NULL,
+                            .upper = info->has_world ? info->upper : NULL,
+                            .edge = (double)info->cell};
     grid_objects objects = objects_of(scene);
     grid_needs_of(&needs, &objects, NULL);
     return grid_fit(&s->grid, &needs, &wish, &objects, err);
@@ -103,7 +102,7 @@ static bool look_at_all(sketch *s, const duet_scene *scene, duet_error *err)
 {
     s->whole = extent_empty();
     if (s->info->n > 0)
-        origin_corner(s->from, objects_of(scene).array, s->info->origin_edge, 0);
+        origin_corner(s->from, objects_of(scene).all.rows, s->info->origin_edge, 0);
     for (uint32_t id = 0; id < s->info->n; ++id) {
         duet_rounded_box box = box_of(s, scene, id);
         add_box(&s->whole, &box, s->info->dims);

@@ -216,6 +216,7 @@ local legend <const> = {
   { "(… to …)", "the interval in which the median lies with at least 95 %" },
   { "gain", "how much faster a step is than on the better of the two devices alone" },
   { "verdict", "whether that is certain: faster, same, slower, or ambiguous where the interval does not say" },
+  { "waited", "launches of a tuning that waited for a core, which another program had" },
   { "mode", "how grids are built: shared (B builds, A receives), own (each the whole), slab (each a part)" },
   { "kernels", "the variant that a device runs: auto chooses by device, simd, gpu or paper" },
   { "level", "of accuracy: certified is exact, the others are faster or simpler and can be wrong" },

@@ -20,16 +20,19 @@ end
 -- "A alone" or "B alone"; nil if both work.
 local function alone(p) return p.share == 0 and "B alone" or p.share == 1 and "A alone" or nil end
 
+-- Part of the launches that waited for a core.
+local function waited(p) return p.watched > 0 and ("%.0f"):format(100 * p.disturbed / p.watched) or "-" end
+
 local function profile_row(row, p)
   if is_of_one(p) then
     row { p.scene ~= "" and p.scene or "-", count(p.objects), p.variant_b, p.level,
-      ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms), p.created }
+      ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms), waited(p), p.created }
     return
   end
   local gain = ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high)
   row { p.scene ~= "" and p.scene or "-", count(p.objects), alone(p) or ("%.1f %%"):format(100 * p.share), p.mode,
     p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
-    alone(p) and "-" or gain, alone(p) and "-" or p.verdict, p.created }
+    alone(p) and "-" or gain, alone(p) and "-" or p.verdict, waited(p), p.created }
 end
 
 -- A table for each device pair.
@@ -41,9 +44,9 @@ local function add_profiles(profiles)
       seen[pair_words(first)] = true
       add("<h3>%s</h3>\n", words(pair_words(first)))
       local row = is_of_one(first)
-          and rows_begin("lrllrl", { "scene", "objects", "kernels", "level", "step, ms", "measured, UTC" })
-        or rows_begin("lrrllllrrll", { "scene", "objects", "share of A", "mode", "A's kernels", "B's kernels",
-        "level", "step, ms", "gain, %", "verdict", "measured, UTC" })
+          and rows_begin("lrllrrl", { "scene", "objects", "kernels", "level", "step, ms", "waited, %", "measured, UTC" })
+        or rows_begin("lrrllllrrlrl", { "scene", "objects", "share of A", "mode", "A's kernels", "B's kernels",
+        "level", "step, ms", "gain, %", "verdict", "waited, %", "measured, UTC" })
       for _, p in ipairs(profiles) do
         if p.live and pair_words(p) == pair_words(first) then profile_row(row, p) end
       end

@@ -13,8 +13,7 @@ local function tell_result(row, p)
   row("plan", result_words(p), "step", ("%.4f ms (%.4f to %.4f)"):format(p.ms, number(p, "low_ms"), number(p, "high_ms")))
   if not p.one_device then row("gain", report.gain(p)) end
   if p.rounds > 0 then row("rounds", ("%.0f"):format(p.rounds)) end
-  row("quiet", p.watched == 0 and "was not looked at"
-    or ("%.0f of %.0f launches waited for a core"):format(p.disturbed, p.watched))
+  row("quiet", p.watched == 0 and "was not looked at" or report.waited(p))
   if p.whole_ms then row("whole", ("%.4f ms; %s"):format(p.whole_ms, report.whole(p.a.name, nil, p))) end
   row("accuracy", p.true_pairs and report.wrong_words(p) or "was not measured")
   if p.terms then row("terms", report.members(p.terms)) end

@@ -25,7 +25,13 @@ end
 
 -- Below the table, because few rows have it.
 local function tell_notes(notes)
-  for _, p in ipairs(notes) do line("%s: %s", cut(p.uid, 8), report.whole(p.a.name, nil, p)) end
+  for _, note in ipairs(notes) do line("%s: %s", cut(note.uid, 8), note.says) end
+end
+
+local function add_notes(notes, p)
+  local function add(says) notes[#notes + 1] = { uid = p.uid, says = says } end
+  if p.disturbed > 0 then add(report.waited(p)) end
+  if p.whole_ms and p.whole_gain_high < 0 then add(report.whole(p.a.name, nil, p)) end
 end
 
 local function tell_pair(p)
@@ -51,7 +57,7 @@ return function(o)
       row = tell_pair(p)
     end
     tell_profile(row, p)
-    if p.whole_ms and p.whole_gain_high < 0 then notes[#notes + 1] = p end
+    add_notes(notes, p)
     last = p
   end
   tell_notes(notes)

@@ -9,6 +9,9 @@ return function(o)
   row("steps", count(o.steps), ("%.3f ms a step"):format(o.ms_a_step))
   row("contacts", count(o.contacts), ("push, in %.0f colours"):format(o.colours))
   row("ghosts", count(o.ghosts), "bodies that domains have of others")
+  if o.slowest_part and o.ranks > 1 then
+    row("slowest", ("%.2f"):format(o.slowest_part), ("times the mean rank's work a step; rank %.0f last"):format(o.slowest_rank))
+  end
   line("state hash %s", o.hash)
   return report.told
 end

@@ -130,6 +130,9 @@ function report.wrong_words(row)
     100 * number(row, "false_rate"))
 end
 
+-- How quiet the machine was when a profile was measured.
+function report.waited(p) return ("%.0f of %.0f launches waited for a core"):format(p.disturbed, p.watched) end
+
 -- "3 of 20 steps waited for a core; other programs had 40 % of the cores"; nil if none did.
 function report.disturbed(row)
   if number(row, "disturbed") == 0 then return nil end

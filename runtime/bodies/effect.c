@@ -113,113 +113,107 @@ static double reach_of(const duet_pose *p, const duet_body *b, uint32_t dims, do
     return speed > 0.0 ? speed * dt / (least + b->radius) : 0.0;
 }
 
-static void add_object(effect_facts *f, const duet_motion_def *def, const duet_pose *p,
-                       const duet_body *b)
+static effect_facts facts_of_object(const duet_motion_def *def, const duet_pose *p,
+                                    const duet_body *b)
 {
     const uint32_t dims = def->dims;
     const float *h = p->half_extents;
-    bool turns = b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3));
-    f->rotated |= is_turned(p, dims);
-    f->moving |= !is_zero(b->velocity, dims);
-    f->turning |= turns;
-    f->massive |= b->mass > 0.0f;
-    f->turnable |= b->mass > 0.0f && !b->fixed_rotation;
-    f->uneven |= dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]);
-    f->elastic |= material_is_elastic(def, b);
-    f->rough |= material_is_rough(def, b);
-    f->made |= b->material > 0;
-    f->resists |= b->rolling_resistance > 0.0f;
-    f->conveys |= !is_zero(b->surface_velocity, dims);
-    f->sensing |= b->sensor;
-    f->round |= b->radius > 0.0f;
-    f->filtered |= b->group != UINT32_MAX || b->mask != UINT32_MAX;
-    f->reach = fmax(f->reach, reach_of(p, b, dims, def->dt));
+    return (is_turned(p, dims) ? FACT_ROTATED : 0) |
+           (!is_zero(b->velocity, dims) ? FACT_MOVING : 0) |
+           (b->angular_velocity[2] != 0.0f || (dims == 3 && !is_zero(b->angular_velocity, 3))
+                ? FACT_TURNING
+                : 0) |
+           (b->mass > 0.0f ? FACT_MASSIVE : 0) |
+           (b->mass > 0.0f && !b->fixed_rotation ? FACT_TURNABLE : 0) |
+           (dims == 3 && b->mass > 0.0f && (h[0] != h[1] || h[1] != h[2]) ? FACT_UNEVEN : 0) |
+           (material_is_elastic(def, b) ? FACT_ELASTIC : 0) |
+           (material_is_rough(def, b) ? FACT_ROUGH : 0) | (b->material > 0 ? FACT_MATERIAL : 0) |
+           (b->rolling_resistance > 0.0f ? FACT_RESISTS : 0) |
+           (!is_zero(b->surface_velocity, dims) ? FACT_CONVEYS : 0) |
+           (b->sensor ? FACT_SENSING : 0) | (b->radius > 0.0f ? FACT_ROUND : 0) |
+           (b->group != UINT32_MAX || b->mask != UINT32_MAX ? FACT_FILTERED : 0) |
+           (reach_of(p, b, dims, def->dt) > 0.5 ? FACT_FAST : 0);
 }
 
-static void add_ground(effect_facts *f, const duet_motion_def *def)
+static effect_facts facts_of_ground(const duet_motion_def *def)
 {
     const duet_body surface = {.material = def->heights->material};
-    f->elastic |= material_is_elastic(def, &surface);
-    f->rough |= material_is_rough(def, &surface);
-    f->made = true;
+    return FACT_MATERIAL | (material_is_elastic(def, &surface) ? FACT_ELASTIC : 0) |
+           (material_is_rough(def, &surface) ? FACT_ROUGH : 0);
 }
 
 void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
                       const duet_body *bodies, uint32_t n)
 {
     if (def->heights && def->heights->material > 0)
-        add_ground(facts, def);
+        *facts |= facts_of_ground(def);
     for (uint32_t i = 0; i < n; ++i)
-        add_object(facts, def, &poses[i], &bodies[i]);
+        *facts |= facts_of_object(def, &poses[i], &bodies[i]);
 }
 
 // ---------------------------------------------------------------- inference
 
-static bool has_pull(const duet_motion_def *def)
+static effect_facts facts_of_def(const duet_motion_def *def)
 {
-    bool uniform = def->gravity[0] != 0.0 || def->gravity[1] != 0.0 ||
-                   (def->dims == 3 && def->gravity[2] != 0.0);
-    return uniform || def->attraction != 0.0;
+    const double *g = def->gravity;
+    const bool pulls =
+        g[0] != 0.0 || g[1] != 0.0 || (def->dims == 3 && g[2] != 0.0) || def->attraction != 0.0;
+    return (pulls ? FACT_PULLED : 0) | (def->drag > 0.0 ? FACT_DRAGGED : 0) |
+           (def->boundary != DUET_BOUNDARY_NONE ? FACT_BOUNDED : 0) |
+           (def->hit_speed > 0.0 ? FACT_HITS : 0) | (def->heights ? FACT_HEIGHTS : 0) |
+           (def->skin > 0.0 ? FACT_SKIN : 0);
 }
 
-// Whether def and facts call for the effect, where those of `so_far` are
-// already called for.
-static bool is_called(uint32_t effect, const duet_motion_def *def, const effect_facts *f,
-                      uint32_t so_far)
+// An effect is called for by all of these facts, together with effects that are called for already.
+// Effects without a row are wanted or needed only.
+static const struct {
+    uint32_t effect, beside;
+    effect_facts facts;
+} calls[] = {
+    {DUET_EFFECT_CONTACT_RESPONSE, 0, FACT_MASSIVE | FACT_ELASTIC},
+    {DUET_EFFECT_CONTACT_RESPONSE, 0, FACT_MASSIVE | FACT_ROUGH},
+    {DUET_EFFECT_SENSORS, 0, FACT_SENSING},
+    {DUET_EFFECT_EVENTS, 0, FACT_HITS},
+    {DUET_EFFECT_MOTION, 0, FACT_MOVING},
+    {DUET_EFFECT_MOTION, 0, FACT_TURNING},
+    {DUET_EFFECT_MOTION, 0, FACT_MASSIVE | FACT_PULLED},
+    {DUET_EFFECT_GRAVITY, 0, FACT_MASSIVE | FACT_PULLED},
+    {DUET_EFFECT_DRAG, DUET_EFFECT_MOTION, FACT_MASSIVE | FACT_DRAGGED},
+    {DUET_EFFECT_BOUNDARY, DUET_EFFECT_MOTION, FACT_BOUNDED},
+    {DUET_EFFECT_ANGULAR_VELOCITY, 0, FACT_TURNING},
+    {DUET_EFFECT_ANGULAR_VELOCITY, DUET_EFFECT_CONTACT_RESPONSE, FACT_TURNABLE},
+    {DUET_EFFECT_ROTATION, DUET_EFFECT_MOTION, FACT_ROTATED},
+    {DUET_EFFECT_ROTATION, DUET_EFFECT_CONTACT, FACT_ROTATED},
+    {DUET_EFFECT_RADIUS, DUET_EFFECT_CONTACT, FACT_ROUND},
+    {DUET_EFFECT_RADIUS, DUET_EFFECT_BOUNDARY, FACT_ROUND},
+    {DUET_EFFECT_FRICTION, DUET_EFFECT_CONTACT_RESPONSE, FACT_ROUGH},
+    {DUET_EFFECT_ROLLING_RESISTANCE, DUET_EFFECT_CONTACT_RESPONSE, FACT_RESISTS | FACT_ROUND},
+    {DUET_EFFECT_SURFACE_VELOCITY, DUET_EFFECT_FRICTION, FACT_CONVEYS},
+    {DUET_EFFECT_MATERIALS, DUET_EFFECT_CONTACT_RESPONSE, FACT_MATERIAL},
+    {DUET_EFFECT_CONTINUOUS, DUET_EFFECT_CONTACT_RESPONSE, FACT_FAST},
+    {DUET_EFFECT_FILTER, DUET_EFFECT_CONTACT, FACT_FILTERED},
+    {DUET_EFFECT_HEIGHTS, DUET_EFFECT_CONTACT, FACT_HEIGHTS},
+    {DUET_EFFECT_SKIN, DUET_EFFECT_CONTACT, FACT_SKIN},
+};
+
+static bool is_called(uint32_t effect, effect_facts facts, uint32_t so_far)
 {
-    bool pushes = so_far & DUET_EFFECT_CONTACT_RESPONSE;
-    bool moves = so_far & DUET_EFFECT_MOTION;
-    switch (effect) {
-    case DUET_EFFECT_CONTACT_RESPONSE:
-        return f->massive && (f->elastic || f->rough);
-    case DUET_EFFECT_MOTION:
-        return f->moving || f->turning || (f->massive && has_pull(def));
-    case DUET_EFFECT_GRAVITY:
-        return f->massive && has_pull(def);
-    case DUET_EFFECT_DRAG:
-        return moves && f->massive && def->drag > 0.0;
-    case DUET_EFFECT_BOUNDARY:
-        return moves && def->boundary != DUET_BOUNDARY_NONE;
-    case DUET_EFFECT_ANGULAR_VELOCITY:
-        return f->turning || (pushes && f->turnable);
-    case DUET_EFFECT_ROTATION:
-        return (moves || (so_far & DUET_EFFECT_CONTACT)) && f->rotated;
-    case DUET_EFFECT_RADIUS:
-        return f->round && (so_far & (DUET_EFFECT_CONTACT | DUET_EFFECT_BOUNDARY));
-    case DUET_EFFECT_FRICTION:
-        return pushes && f->rough;
-    case DUET_EFFECT_ROLLING_RESISTANCE:
-        return pushes && f->resists && f->round;
-    case DUET_EFFECT_SURFACE_VELOCITY:
-        return f->conveys && (so_far & DUET_EFFECT_FRICTION);
-    case DUET_EFFECT_MATERIALS:
-        return pushes && f->made;
-    case DUET_EFFECT_CONTINUOUS:
-        return pushes && f->reach > 0.5;
-    case DUET_EFFECT_FILTER:
-        return (so_far & DUET_EFFECT_CONTACT) && f->filtered;
-    case DUET_EFFECT_SENSORS:
-        return f->sensing;
-    case DUET_EFFECT_EVENTS:
-        return def->hit_speed > 0.0;
-    case DUET_EFFECT_HEIGHTS:
-        return (so_far & DUET_EFFECT_CONTACT) && def->heights;
-    case DUET_EFFECT_SKIN:
-        return (so_far & DUET_EFFECT_CONTACT) && def->skin > 0.0;
-    default:
-        return false;
-    }
+    bool called = false;
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i)
+        called |=
+            calls[i].effect == effect && !(calls[i].facts & ~facts) && !(calls[i].beside & ~so_far);
+    return called;
 }
 
-uint32_t effect_infer(const duet_motion_def *def, const effect_facts *facts)
+// Twice, because effects that a later row needs may call for an earlier one.
+uint32_t effect_infer(const duet_motion_def *def, effect_facts facts)
 {
     uint32_t effects = 0;
-    for (int i = 0; i < N_ROWS; ++i)
-        if ((def->wants & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
-            effects |= rows[i].effect | rows[i].needs;
-    // Effects that a later row needs may call for an earlier one.
-    for (int i = 0; i < N_ROWS; ++i)
-        if ((effects & rows[i].effect) || is_called(rows[i].effect, def, facts, effects))
-            effects |= rows[i].effect | rows[i].needs;
+    facts |= facts_of_def(def);
+    for (int i = 0; i < 2 * N_ROWS; ++i) {
+        const effect_row *row = &rows[i % N_ROWS];
+        if (((effects | def->wants) & row->effect) || is_called(row->effect, facts, effects))
+            effects |= row->effect | row->needs;
+    }
     return effects;
 }

@@ -64,12 +64,12 @@ static void copy_objects(const compaction_list *s, const grid_objects *objects, 
     size_t at = to % (s->n_slots * s->chunk);
     if (objects->shape == DUET_SHAPE_POSES) {
         duet_pose *out = (duet_pose *)s->objects.bytes + at;
-        const duet_pose *in = (const duet_pose *)objects->array + first;
+        const duet_pose *in = (const duet_pose *)objects->all.rows + first;
         for (uint32_t i = 0; i < n; ++i)
             out[i] = in[picked[i]];
     } else {
         duet_bounds *out = (duet_bounds *)s->objects.bytes + at;
-        const duet_bounds *in = (const duet_bounds *)objects->array + first;
+        const duet_bounds *in = (const duet_bounds *)objects->all.rows + first;
         for (uint32_t i = 0; i < n; ++i)
             out[i] = in[picked[i]];
     }
@@ -102,7 +102,7 @@ static void append(compaction *c, compaction_list *s, uint32_t first, const uint
         uint32_t here = n < left ? n : left;
         if (!wait_for_slot(c, s, chunk))
             return;
-        copy_objects(s, &c->objects, to, first, picked, here);
+        copy_objects(s, c->objects, to, first, picked, here);
         atomic_fetch_add_explicit(&s->filled[chunk], here, memory_order_release);
         to += here;
         picked += here;
@@ -115,8 +115,8 @@ static void list_block(compaction *c, uint32_t block)
     uint32_t rows[BLOCK];
     uint16_t picked[BLOCK];
     uint32_t first = block * BLOCK;
-    uint32_t n = c->objects.n - first < BLOCK ? c->objects.n - first : BLOCK;
-    grid_cell_rows(rows, c->grid, &c->objects, first, n);
+    uint32_t n = c->objects->all.n - first < BLOCK ? c->objects->all.n - first : BLOCK;
+    grid_cell_rows(rows, c->grid, c->objects, first, n);
     for (int side = 0; side < 2; ++side) {
         compaction_list *list = &c->lists[side];
         if (list->row_from < list->row_to)
@@ -125,12 +125,10 @@ static void list_block(compaction *c, uint32_t block)
     atomic_fetch_add_explicit(&c->done, 1, memory_order_release);
 }
 
-static void list_blocks(void *arg)
+static void list_blocks(void *arg, uint64_t first, uint64_t last)
 {
-    compaction *c = arg;
-    uint32_t block = 0;
-    while ((block = atomic_fetch_add_explicit(&c->begun, 1, memory_order_relaxed)) < c->n_blocks)
-        list_block(c, block);
+    for (; first < last; ++first)
+        list_block(arg, (uint32_t)first);
 }
 
 // ---------------------------------------------------------------- beginning
@@ -158,7 +156,7 @@ static bool begin_list(compaction *c, compaction_list *l, const part_range *slab
     atomic_init(&l->sent, 0);
     for (int i = 0; i < COMPACTION_CHUNKS; ++i)
         atomic_init(&l->filled[i], 0);
-    const size_t bytes = (size_t)l->n_slots * l->chunk * c->objects.row_bytes;
+    const size_t bytes = (size_t)l->n_slots * l->chunk * c->objects->all.row_bytes;
     return host_block_reserve(&l->objects, to, 1, bytes, err) &&
            host_block_reserve(&l->ids, to, 1, l->capacity * sizeof(uint32_t), err);
 }
@@ -167,10 +165,9 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
                       const part_range *const slabs[2], const device *const devices[2],
                       thread_pool **threads, duet_error *err)
 {
-    c->objects = *objects;
+    c->objects = objects;
     c->grid = g;
-    c->n_blocks = divide_up(objects->n, BLOCK);
-    atomic_init(&c->begun, 0);
+    c->n_blocks = divide_up(objects->all.n, BLOCK);
     atomic_init(&c->done, 0);
     atomic_init(&c->cancelled, false);
     for (int side = 0; side < 2; ++side)
@@ -181,7 +178,7 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
         return true;
     if (!c->threads && !(c->threads = thread_pool_open(thread_pool_spare(MOST_THREADS), err)))
         return false;
-    thread_pool_start(c->threads, list_blocks, c);
+    thread_pool_start(c->threads, list_blocks, c, c->n_blocks);
     *threads = c->threads;
     return true;
 }

@@ -42,11 +42,10 @@ typedef struct compaction_list {
 
 typedef struct compaction {
     uint32_t least_chunk; // objects
-    grid_objects objects;
+    const grid_objects *objects;
     const grid *grid;
     uint32_t n_blocks;
-    atomic_uint begun; // blocks
-    atomic_uint done;
+    atomic_uint done;      // blocks
     atomic_bool cancelled; // a device failed and sends no more
     compaction_list lists[2];
     thread_pool *threads; // NULL before the first time

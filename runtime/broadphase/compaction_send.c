@@ -28,7 +28,7 @@ typedef struct sending {
 static bool send_chunk(sending *s, uint32_t n, duet_error *err)
 {
     const compaction_list *l = s->list;
-    size_t bytes = s->from->objects.row_bytes;
+    size_t bytes = s->from->objects->all.row_bytes;
     size_t to = (size_t)s->n_chunks * l->chunk;
     size_t slot = (size_t)(s->n_chunks % l->n_slots) * l->chunk;
     bool ok = timeline_write_at(s->times, "send objects", &s->view->own, to * bytes,
@@ -118,7 +118,7 @@ bool view_update_list(device_view *v, timeline *t, compaction *c, int side, uint
     if (view_has(v, generation, wanted))
         return true;
     v->generation = 0;
-    if (!buffer_reserve(&v->own, t->device, capacity * c->objects.row_bytes, err) ||
+    if (!buffer_reserve(&v->own, t->device, capacity * c->objects->all.row_bytes, err) ||
         !buffer_reserve(&v->ids, t->device, capacity * sizeof(uint32_t), err) ||
         !send_list(&s, &placed, err))
         return false;

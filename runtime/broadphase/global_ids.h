@@ -13,8 +13,10 @@ typedef struct global_ids {
     uint32_t n_without;
     const uint32_t *changed; // [n_changed] objects, in any order, whose id is not that of the
     uint64_t n_changed;      // last step: another, a first one, or none any more
-    bool all_changed;
-    uint64_t generation, before; // the world's for the list: now, and before the changes
+    uint64_t generation;     // the world's for the list
 } global_ids;
+
+// All ids may be others.
+#define ALL_IDS_CHANGED UINT64_MAX
 
 #endif

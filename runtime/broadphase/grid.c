@@ -16,12 +16,6 @@ static const double most_hashed_along = 0x1p30;
 // A row of cells costs about as much to look up as this many objects to test.
 static const double row_cost = 4.0;
 
-// From this many others in an object's own cell on, a hashed grid with its finer cells is the
-// better one. A CPU looks up an object's cells in the time that it tests 100 to 300 others in, as
-// lanes do (docs/notes/performance.md).
-static const double crowded = 128.0;
-static const double crowded_gpu = 8.0;
-
 // The devices' reach is wider than the boxes' by a share below 3 * 2^-18
 // (kernels/narrowphase/object.clh, set_reach).
 static const double devices_widen = 1.0 + 0x1p-16;
@@ -241,7 +235,7 @@ static grid make_dense(const double lower[3], const double length[3], const size
     grid g = {.kind = GRID_DENSE, .n_levels = classes->n};
     for (uint32_t l = 0; l < g.n_levels; ++l)
         edges[l] = classes->at[l].widest;
-    limit_cells(edges, &g.n_levels, length, fmin(cells_per_object * o->n + 64.0, 0x1p31));
+    limit_cells(edges, &g.n_levels, length, fmin(cells_per_object * o->all.n + 64.0, 0x1p31));
     for (uint32_t l = 0; l < g.n_levels; ++l) {
         g.levels[l] = make_level(lower, length, edges[l], true, o);
         const cl_int *cells = g.levels[l].cells.s;
@@ -257,7 +251,7 @@ static grid make_hashed(const double lower[3], const double length[3], const siz
                         const grid_objects *o)
 {
     grid g = {.kind = GRID_HASHED, .n_levels = classes->n, .n_cells = 1024};
-    while (g.n_cells < 0x80000000u && g.n_cells < 2 * (uint64_t)o->n)
+    while (g.n_cells < 0x80000000u && g.n_cells < 2 * (uint64_t)o->all.n)
         g.n_cells *= 2;
     for (uint32_t l = 0; l < g.n_levels; ++l)
         g.levels[l] = make_level(lower, length, classes->at[l].widest, false, o);
@@ -284,8 +278,8 @@ static void find_cells_along(uint32_t *cells, const grid *g, const grid_objects 
                              uint32_t first, uint32_t n, uint32_t axis)
 {
     const grid_level *level = &g->levels[0];
-    const size_t bytes = objects->row_bytes;
-    const char *rows = (const char *)objects->array + first * bytes;
+    const size_t bytes = objects->all.row_bytes;
+    const char *rows = (const char *)objects->all.rows + first * bytes;
     float lower = level->lower.s[axis], per_cell = level->per_cell.s[axis];
     cl_int along = level->cells.s[axis];
     if (objects->origin > 0.0f) {
@@ -324,7 +318,7 @@ void grid_cell_rows(uint32_t *rows, const grid *g, const grid_objects *objects, 
 // Bounds that end before they begin: bad ones, which no search takes.
 static bool is_left_out(const grid_objects *objects, uint32_t id)
 {
-    const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+    const duet_bounds *b = &((const duet_bounds *)objects->all.rows)[id];
     bool left_out = false;
     for (uint32_t k = 0; objects->shape == DUET_SHAPE_BOUNDS && k < objects->dims; ++k)
         left_out |= b->upper[k] < b->lower[k];
@@ -340,7 +334,7 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
     uint32_t *counts = calloc(cells, sizeof *counts);
     if (!counts)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
-    for (uint32_t id = 0; id < objects->n; ++id) {
+    for (uint32_t id = 0; id < objects->all.n; ++id) {
         uint32_t cell[3];
         if (is_left_out(objects, id))
             continue;
@@ -351,7 +345,7 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
     for (size_t c = 0; c < cells; ++c)
         pairs += (double)counts[c] * ((double)counts[c] - 1.0);
     free(counts);
-    *others = pairs / objects->n;
+    *others = pairs / objects->all.n;
     return true;
 }
 
@@ -362,8 +356,8 @@ static void place_world(double lower[3], double length[3], const grid_needs *nee
                         const grid_wish *wish, uint32_t dims)
 {
     for (uint32_t k = 0; k < 3; ++k) {
-        double from = wish->has_world ? wish->lower[k] : needs->lower[k];
-        double to = wish->has_world ? wish->upper[k] : needs->upper[k];
+        double from = wish->lower ? (double)wish->lower[k] : needs->lower[k];
+        double to = wish->upper ? (double)wish->upper[k] : needs->upper[k];
         bool there = k < dims && from <= to;
         lower[k] = there ? from : 0.0;
         length[k] = there ? to - from : 0.0;
@@ -379,9 +373,9 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const gri
     place_world(lower, length, needs, wish, dims);
     size_classes classes;
     classify(&classes, needs);
-    if (wish->uniform || wish->edge > 0.0 || classes.n == 0) {
+    if (wish->n_levels == 1 || wish->edge > 0.0 || classes.n == 0) {
         classes.at[0] =
-            (size_class){objects->n, fmax(wish->edge, widest_bounds(needs) * devices_widen)};
+            (size_class){objects->all.n, fmax(wish->edge, widest_bounds(needs) * devices_widen)};
         classes.n = 1;
     } else {
         double volume = 1.0;
@@ -400,7 +394,7 @@ bool grid_fit(grid *g, const grid_needs *needs, const grid_wish *wish, const gri
         return true;
     if (!count_crowd(&others, g, objects, err))
         return false;
-    if (others > (wish->by_gpus ? crowded_gpu : crowded))
+    if (others > (wish->crowd ? wish->crowd : GRID_CROWD))
         *g = make_hashed(lower, length, &classes, objects);
     return true;
 }

@@ -28,11 +28,11 @@ typedef struct grid {
     grid_kind kind;
     uint32_t n_levels; // finest first
     grid_level levels[GRID_LEVELS];
-    uint32_t n_cells;    // cells of all levels, or entries of the table, a power of two
-    uint32_t key_bits;   // bits of n_cells, the key of objects that are left out
-    float edge;          // the least of any level
-    uint64_t generation; // counts a world's grids; 0: no world's
-    bool varies;         // the world's grid had other cells before
+    uint32_t n_cells;  // cells of all levels, or entries of the table, a power of two
+    uint32_t key_bits; // bits of n_cells, the key of objects that are left out
+    float edge;        // the least of any level
+    double widest;     // the largest extent of the objects that it was fitted to
+    bool varies;       // the world's grid had other cells before
 } grid;
 
 // The begin of a level along an axis.
@@ -40,15 +40,18 @@ double grid_corner(const grid_level *level, float origin, uint32_t axis);
 
 typedef enum grid_kinds { GRID_ANY, GRID_ONLY_DENSE, GRID_ONLY_HASHED } grid_kinds;
 
+// From this many others in an object's own cell on, a hashed grid with its finer cells is the
+// better one. A CPU looks up an object's cells in the time that it tests 100 to 300 others in, as
+// lanes do (docs/notes/performance.md).
+enum { GRID_CROWD = 128, GRID_CROWD_OF_GPUS = 8 };
+
 // How a grid is to be made; zero if that is open.
 typedef struct grid_wish {
-    bool has_world;
-    double lower[3]; // the world's
-    double upper[3];
-    double edge;  // the least edge of the cells; one level then
-    bool uniform; // one level, whatever the sizes
+    const float *lower, *upper; // the world's; NULL: the objects'
+    double edge;                // the least edge of the cells; one level then
+    uint32_t n_levels;          // 1, or as the sizes are
     grid_kinds kinds;
-    bool by_gpus; // only GPUs search it
+    uint32_t crowd; // of a dense grid, at most; 0: GRID_CROWD
 } grid_wish;
 
 // The grid for these objects. Dense unless so many objects would share cells

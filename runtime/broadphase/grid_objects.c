@@ -19,23 +19,25 @@ duet_transform grid_transform_of(const duet_pose *pose)
 
 static const void *row_of(const grid_objects *objects, uint32_t id)
 {
-    return (const char *)objects->array + id * objects->row_bytes;
+    return (const char *)objects->all.rows + id * objects->all.row_bytes;
 }
 
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
 {
     const void *row = row_of(objects, id);
-    if (objects->shape != DUET_SHAPE_SPHERES && !objects->sizes)
+    if (objects->shape != DUET_SHAPE_SPHERES && !grid_has_sizes(objects))
         return row;
     *scratch = (duet_pose){.rotation = {0, 0, 0, 1}};
     memcpy(scratch->centre, row, sizeof scratch->centre);
     if (objects->shape == DUET_SHAPE_SPHERES)
         return scratch;
-    memcpy(scratch->half_extents, objects->sizes[id].half_extents, sizeof scratch->half_extents);
-    if (!objects->compact)
+    const duet_size *size = (const duet_size *)objects->sizes.rows + id;
+    const bool compact = objects->kind == DUET_OBJECT_COMPACT_TRANSFORMS;
+    memcpy(scratch->half_extents, size->half_extents, sizeof scratch->half_extents);
+    if (!compact)
         memcpy(scratch->rotation, ((const duet_transform *)row)->rotation,
                sizeof scratch->rotation);
-    for (int k = 0; objects->compact && k < 4; ++k)
+    for (int k = 0; compact && k < 4; ++k)
         scratch->rotation[k] = ((const duet_compact_transform *)row)->rotation[k];
     return scratch;
 }
@@ -43,17 +45,18 @@ const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pos
 float grid_radius_of(const grid_objects *objects, uint32_t id)
 {
     return objects->shape == DUET_SHAPE_ROUNDED_BOXES
-               ? ((const duet_rounded_box *)objects->array)[id].radius
-           : objects->shape == DUET_SHAPE_SPHERES ? ((const duet_sphere *)objects->array)[id].radius
-                                                  : 0.0f;
+               ? ((const duet_rounded_box *)objects->all.rows)[id].radius
+           : objects->shape == DUET_SHAPE_SPHERES
+               ? ((const duet_sphere *)objects->all.rows)[id].radius
+               : 0.0f;
 }
 
 // An object that has a radius.
 static duet_rounded_box rounded_box_of(const grid_objects *objects, uint32_t id)
 {
     return objects->shape == DUET_SHAPE_SPHERES
-               ? rounded_of_sphere(&((const duet_sphere *)objects->array)[id])
-               : ((const duet_rounded_box *)objects->array)[id];
+               ? rounded_of_sphere(&((const duet_sphere *)objects->all.rows)[id])
+               : ((const duet_rounded_box *)objects->all.rows)[id];
 }
 
 // The point that decides an object\'s cell; z is 0 in 2D.
@@ -72,7 +75,7 @@ void grid_centre_of(double centre[3], const grid_objects *objects, uint32_t id)
     point_of(centre, objects, id);
     if (objects->shape != DUET_SHAPE_BOUNDS)
         return;
-    const duet_bounds *b = &((const duet_bounds *)objects->array)[id];
+    const duet_bounds *b = &((const duet_bounds *)objects->all.rows)[id];
     for (uint32_t k = 0; k < objects->dims; ++k)
         centre[k] = 0.5 * (centre[k] + (double)b->upper[k]);
 }
@@ -88,7 +91,7 @@ bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b)
     duet_pose scratch[2];
     const duet_pose *of_a = grid_pose_of(objects, a, &scratch[0]);
     const duet_pose *of_b = grid_pose_of(objects, b, &scratch[1]);
-    origin_shift(shift, objects->array, objects->origin, a, b);
+    origin_shift(shift, objects->all.rows, objects->origin, a, b);
     return narrow_decide_apart(of_a, of_b, shift, objects->dims);
 }
 
@@ -189,7 +192,7 @@ static double widest_of(const grid_objects *objects, uint32_t id, double *roundi
     duet_pose scratch;
     *rounding = 0.0;
     if (objects->shape == DUET_SHAPE_BOUNDS)
-        return widest_of_bounds(&((const duet_bounds *)objects->array)[id], objects->dims);
+        return widest_of_bounds(&((const duet_bounds *)objects->all.rows)[id], objects->dims);
     const duet_pose *pose = grid_pose_of(objects, id, &scratch);
     *rounding = rounding_of_pose(pose, objects);
     double radius = grid_radius_of(objects, id);
@@ -240,15 +243,15 @@ static void add_pieces(void *arg, uint64_t first, uint64_t last)
 {
     pieces *p = arg;
     for (uint64_t i = first; i < last; ++i)
-        add_some(&p->needs[i], p->objects, (uint32_t)(p->objects->n * i / PIECES),
-                 (uint32_t)(p->objects->n * (i + 1) / PIECES));
+        add_some(&p->needs[i], p->objects, (uint32_t)(p->objects->all.n * i / PIECES),
+                 (uint32_t)(p->objects->all.n * (i + 1) / PIECES));
 }
 
 void grid_needs_of(grid_needs *needs, const grid_objects *objects, thread_pool *threads)
 {
     pieces *p = threads ? malloc(sizeof *p) : NULL;
     if (!p) {
-        add_some(needs, objects, 0, objects->n);
+        add_some(needs, objects, 0, objects->all.n);
         return;
     }
     p->objects = objects;

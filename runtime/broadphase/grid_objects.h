@@ -9,21 +9,31 @@
 #include <assert.h>
 #include <stddef.h>
 
-// The objects that a grid is for, as the shape says; with origin cells large poses, with sizes
-// transforms. A row begins with the point that decides its cell, and with its pose if it has one
-// whole.
-typedef struct grid_objects {
-    const void *array;   // NULL if the host does not see the objects
-    uint64_t generation; // changes with the content
-    size_t row_bytes;    // an object's in it
-    duet_shape shape;
-    float origin; // the edge of origin cells, or 0
+// An array in host memory.
+typedef struct host_array {
+    const void *rows; // NULL if the host does not see them
+    size_t row_bytes;
     uint32_t n;
+    uint64_t generation; // changes with the content and the place
+} host_array;
+
+// The objects that a grid is for. A row begins with the point that decides its cell, and with its
+// pose if it has one whole.
+typedef struct grid_objects {
+    duet_object_kind kind; // of a row
+    duet_shape shape;
     uint32_t dims;
-    const duet_size *sizes; // that the objects are without, or NULL
-    uint64_t sizes_generation;
-    bool compact; // compact transforms then
+    float origin; // the edge of origin cells, or 0
+    host_array all;
+    host_array sizes; // duet_size, if the rows are without
 } grid_objects;
+
+// Whether sizes lie apart.
+static inline bool grid_has_sizes(const grid_objects *objects)
+{
+    return objects->kind == DUET_OBJECT_TRANSFORMS ||
+           objects->kind == DUET_OBJECT_COMPACT_TRANSFORMS;
+}
 
 static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
                   offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&

@@ -75,10 +75,9 @@ static void select_both(input_ranges *r)
 
 // ---------------------------------------------------------------- the first guess
 
-static bool is_known(const input_ranges *r, const grid *g, uint32_t n, const part_range slabs[2])
+static bool is_known(const input_ranges *r, uint32_t n, const part_range slabs[2])
 {
-    return r->guessed && r->n == n && r->generation == g->generation &&
-           memcmp(r->slabs, slabs, sizeof r->slabs) == 0;
+    return r->guessed && r->n == n && memcmp(r->slabs, slabs, sizeof r->slabs) == 0;
 }
 
 static bool reserve(input_ranges *r, uint32_t n_blocks, duet_error *err)
@@ -119,16 +118,14 @@ static void guess_border(input_ranges *r)
     }
 }
 
-bool input_ranges_begin(input_ranges *r, const grid *g, uint32_t n, const part_range slabs[2],
-                        duet_error *err)
+bool input_ranges_begin(input_ranges *r, uint32_t n, const part_range slabs[2], duet_error *err)
 {
-    if (is_known(r, g, n, slabs))
+    if (is_known(r, n, slabs))
         return true;
     if (!reserve(r, count_blocks(n), err))
         return false;
     r->n = n;
     r->cut = cut_of(slabs, n);
-    r->generation = g->generation;
     memcpy(r->slabs, slabs, sizeof r->slabs);
     r->margin = 0;
     guess_border(r);

@@ -38,7 +38,6 @@ typedef struct input_ranges {
     uint32_t n;   // objects
     uint32_t cut; // B's first object
     part_range slabs[2];
-    uint64_t generation;
     uint32_t margin; // blocks that are read on both sides of those that were requested
     selection selections[2];
 } input_ranges;
@@ -46,8 +45,7 @@ typedef struct input_ranges {
 void input_ranges_close(input_ranges *r);
 
 // Makes the first guess, unless there is one for these slabs and this number of objects.
-bool input_ranges_begin(input_ranges *r, const grid *g, uint32_t n, const part_range slabs[2],
-                        duet_error *err);
+bool input_ranges_begin(input_ranges *r, uint32_t n, const part_range slabs[2], duet_error *err);
 
 // Blocks of its own range that a device marked for the other: those whose word is `epoch`.
 typedef struct block_requests {

@@ -37,7 +37,7 @@ typedef struct numbering {
 
 typedef struct sorting {
     const grid *grid;
-    grid_objects objects;
+    const grid_objects *objects;
     numbering cells;
     uint32_t n_chunks;
     uint32_t (*places)[DIGITS]; // [n_chunks] how many rows have a digit, and where they go
@@ -86,7 +86,7 @@ static uint32_t bits_of_keys(const numbering *n, const grid *g)
 // Threads each have a copy of it, which what they write cannot change.
 static uint32_t begin_of(const sorting *s, uint64_t chunk)
 {
-    return (uint32_t)(s->objects.n * chunk / s->n_chunks);
+    return (uint32_t)(s->objects->all.n * chunk / s->n_chunks);
 }
 
 static uint32_t digit_of(const sorting *s, uint32_t key)
@@ -100,7 +100,7 @@ static void make_rows(void *sort, uint64_t first, uint64_t last)
     uint32_t end = begin_of(&s, last);
     for (uint32_t i = begin_of(&s, first); i < end; ++i) {
         uint32_t cell[3], id = s.low > 0 ? s.order[i] : i;
-        grid_cell_of(cell, s.grid, &s.objects, id);
+        grid_cell_of(cell, s.grid, s.objects, id);
         s.from[i] = (keyed_id){(uint32_t)(key_of(&s.cells, cell) >> s.low), id};
     }
 }
@@ -160,7 +160,7 @@ static void sort_by_bits(sorting *s, thread_pool *threads, uint32_t bits, keyed_
     s->digits = 1u << each;
     by_all(s, threads, make_rows);
     for (uint32_t pass = 0; pass < n_passes; ++pass) {
-        keyed_id *other = s->from == scratch ? scratch + s->objects.n : scratch;
+        keyed_id *other = s->from == scratch ? scratch + s->objects->all.n : scratch;
         s->shift = pass * each;
         s->to = pass + 1 < n_passes ? other : NULL;
         by_all(s, threads, count_digits);
@@ -179,12 +179,12 @@ static uint32_t at_most(uint32_t n, uint32_t most)
 static bool sort_objects(const grid *g, const grid_objects *objects, uint32_t n_threads,
                          thread_pool *threads, uint32_t *order, void *scratch, duet_error *err)
 {
-    sorting s = {.grid = g, .objects = *objects, .order = order};
+    sorting s = {.grid = g, .objects = objects, .order = order};
     s.n_chunks = n_threads > 1 ? n_threads * CHUNKS_A_THREAD : 1;
     s.places = malloc(s.n_chunks * sizeof *s.places);
     if (!s.places)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to order %u objects",
-                         s.objects.n);
+                         s.objects->all.n);
     s.cells = number_cells(s.grid);
     uint32_t bits = bits_of_keys(&s.cells, s.grid);
     do {
@@ -198,13 +198,12 @@ static bool sort_objects(const grid *g, const grid_objects *objects, uint32_t n_
 bool world_order(duet_world *world, uint32_t n_threads, uint32_t *order, void *scratch,
                  duet_error *err)
 {
-    if (world->n == 0)
+    if (world->objects.all.n == 0)
         return true;
-    uint32_t n = at_most(at_most(n_threads, MOST_THREADS), world->n / LEAST_OBJECTS);
+    uint32_t n = at_most(at_most(n_threads, MOST_THREADS), world->objects.all.n / LEAST_OBJECTS);
     thread_pool *threads = n > 1 ? thread_pool_open(n - 1, NULL) : NULL; // or it takes longer
-    grid_objects objects;
-    bool ok = world_fit_grid(world, &objects, true, threads, err) &&
-              sort_objects(&world->grid, &objects, n, threads, order, scratch, err);
+    bool ok = world_fit_grid(world, true, threads, err) &&
+              sort_objects(&world->grid, &world->objects, n, threads, order, scratch, err);
     world_unmap_objects(world);
     thread_pool_close(threads);
     return ok;
@@ -216,11 +215,12 @@ bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_err
     if (!world_is_idle(world, __func__, err) || !error_given(order, __func__, "order", err) ||
         !error_given(n, __func__, "n", err))
         return false;
-    uint32_t *list = malloc((size_t)world->n * sizeof *list + 1);
-    void *scratch = malloc((size_t)world->n * ORDER_SCRATCH + 1);
+    uint32_t *list = malloc((size_t)world->objects.all.n * sizeof *list + 1);
+    void *scratch = malloc((size_t)world->objects.all.n * ORDER_SCRATCH + 1);
     bool ok = list && scratch;
     if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to order %u objects", world->n);
+        error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to order %u objects",
+                  world->objects.all.n);
     ok = ok && world_order(world, 1 + thread_pool_spare(MOST_THREADS), list, scratch, err);
     free(scratch);
     if (!ok) {
@@ -228,6 +228,6 @@ bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_err
         return false;
     }
     *order = list;
-    *n = world->n;
+    *n = world->objects.all.n;
     return true;
 }

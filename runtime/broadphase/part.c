@@ -4,6 +4,7 @@
 
 #include "runtime/opencl/device_pair.h"
 
+#include <assert.h>
 #include <stddef.h>
 
 // A chunk is at least 5 MB: it travels for 0.1 ms, a launch takes some 3 microseconds.
@@ -60,7 +61,7 @@ const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                  BUFFER("id_changes", "uint4 *", id_changes),
                                  BUFFER("pair_counts", "uint *", pair_counts),
                                  BUFFER("left", "uint2 *", left),
-                                 BIND_VALUE(part, "stamp", requests.epoch),
+                                 BIND_VALUE(part, "stamp", requests.last.epoch),
                                  BIND_VALUE(part, "n_keys", args.n),
                                  BIND_VALUE(part, "place_capacity", place_capacity),
                                  BIND_VALUE(part, "n_blocks", scan.n_blocks),
@@ -145,6 +146,14 @@ void part_close(part *p)
     *p = (part){0};
 }
 
+void part_enter(part *p, part_state to)
+{
+    assert(p->state == PART_BEGUN || p->state == PART_HAS_GRID || to == PART_BEGUN);
+    assert(to != PART_HAS_GRID || p->state == PART_BEGUN);
+    assert(to != PART_DONE || p->state == PART_HAS_GRID);
+    p->state = to;
+}
+
 void part_invalidate(part *p)
 {
     device_view *views[] = {&p->objects, &p->sizes, &p->levels, &p->global_ids};
@@ -152,6 +161,13 @@ void part_invalidate(part *p)
     for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i)
         view_forget(views[i]);
     p->zero_words = 0;
+}
+
+void part_forget_grid(part *p)
+{
+    view_forget(&p->levels);
+    if (p->objects.there.kind == SELECT_LIST)
+        view_forget(&p->objects);
 }
 
 void part_drop_prefetch(part *p)
@@ -166,12 +182,6 @@ void part_begin(part *p, uint64_t step)
     part_drop_prefetch(p);
     timeline_begin_step(&p->times, p->device, step);
     p->result = (part_result){.found.first_bad = UINT32_MAX};
-}
-
-block_requests part_requests(const part *p)
-{
-    const buffer *words = &p->requests.words;
-    return (block_requests){words->host ? words->host : p->requests.seen.bytes, p->requests.epoch};
 }
 
 uint64_t part_bytes(const part *p)

@@ -24,8 +24,8 @@ typedef enum grid_role {
 // The work of a part in a step. Lists and ranges need slabs, and slabs GRID_OWN; all other
 // combinations of the selection, the role, the pairs and the ids are legal (test_views).
 typedef struct part_task {
-    const duet_world_def *def; // with the mode that the grid suits
-    grid_objects objects;      // all of the world's; once the view is updated, as many as it has
+    const duet_world_def *def;   // with the mode that the grid suits
+    const grid_objects *objects; // the world's; those on the device are the view's
     const grid *grid;
     grid_role role;
     struct part *other;    // the other device's part
@@ -36,14 +36,19 @@ typedef struct part_task {
     bool pairs_on_device;  // the pairs stay on the device
 } part_task;
 
-// How far a part is. CROWDED: its list or its grid had no space for its objects, so that nothing
-// was found. FAILED: nothing is known of the device.
+// How far a part is in a step (part_run.c):
+//
+//   part_take        build or receive the grid        search
+//   ---------> BEGUN -------------------------> HAS_GRID ----> DONE
+//                |                                 |
+//                +---- no space for all objects ---+---------> CROWDED
+//                +---- the device failed ----------+---------> FAILED
 typedef enum part_state {
-    PART_BEGUN,
-    PART_HAS_GRID,
-    PART_DONE,
-    PART_CROWDED,
-    PART_FAILED
+    PART_BEGUN,    // it has a task, and its views may be those of another
+    PART_HAS_GRID, // its views are what the task wants, its grid has the task's range
+    PART_DONE,     // its result has all pairs of the range
+    PART_CROWDED,  // nothing was found; memory that was too small is larger
+    PART_FAILED    // nothing is known of the device, and its views are forgotten
 } part_state;
 
 typedef struct part_kernels {
@@ -60,12 +65,6 @@ typedef struct part_kernels {
     kernel *change_ids;
     kernel *count_pairs; // NULL if pairs come to the host
     kernel *skim;        // NULL if it cannot be
-    bool fused;          // candidates are tested where they are found
-    bool listed;         // overlapping bounds are a pair, without a test
-    bool unboxed;        // boxes are read by id, where the objects are
-    bool from_ids;       // objects reach cell order by their sorted ids
-    bool summed;         // objects are counted by the scan's blocks, too
-    bool guarded;        // the search finds nothing if the grid got more than it has space for
 } part_kernels;
 
 // A parameter of the kernels that the scene or the stage decides. A choice that is open may be set
@@ -175,9 +174,9 @@ typedef struct part {
         cl_event done[2 * VIEW_CHUNKS]; // when those of a chunk are
     } skimmed;
     struct {
-        buffer words;    // [n / INPUT_BLOCK] the epoch, if the other part needs the block
-        host_block seen; // on the host, if the device has memory of its own
-        cl_uint epoch;   // the last step's
+        buffer words;        // [n / INPUT_BLOCK] the epoch, if the other part needs the block
+        host_block seen;     // on the host, if the device has memory of its own
+        block_requests last; // the last step's
     } requests;
 
     struct {                          // the grid
@@ -221,6 +220,13 @@ void part_forget_kernels(part *p);
 // Builds the kernel of part_skim, too.
 bool part_prepare_skim(part *p, duet_error *err);
 
+// What the kernels do, by the task and the variant that they were built for.
+bool part_tests_boxes(const part *p);  // beyond their bounds
+bool part_leaves_boxes(const part *p); // boxes are read by id, where the objects are
+bool part_sums_blocks(const part *p);  // objects are counted by the scan's blocks, too
+bool part_goes_by_ids(const part *p);  // objects reach cell order by their sorted ids
+bool part_is_fused(const part *p);     // candidates are tested where they are found
+
 // The kernel of that name that the part has prepared; NULL if it runs another.
 const kernel *part_kernel(const part *p, const char *name);
 
@@ -228,19 +234,8 @@ const kernel *part_kernel(const part *p, const char *name);
 // may not have arrived, so the next step sends all of it again.
 void part_invalidate(part *p);
 
-// Begins to send the first n objects before a step that has these and perhaps more, `bytes` of them
-// all. Only for a device with memory of its own. step: see part_begin.
-bool part_prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step,
-                   duet_error *err);
-
-// Classifies the prefetched objects, chunk after chunk as they arrive: which lie deep inside of the
-// box (kernels/grid/skim.h). False if the device does not; nothing is lost then.
-bool part_skim(part *p, const duet_world_def *def, const float inside_lower[3],
-               const float inside_upper[3], duet_error *err);
-
-// Waits for the blocks of objects from `from` on, which begins a chunk; returns up to which object
-// they are there. *blocks are those of all objects. A failure of the device fails the step.
-uint32_t part_await_skim(part *p, uint32_t from, const skim_block **blocks);
+// Forgets what was made from the grid: it is another.
+void part_forget_grid(part *p);
 
 // Waits for what was prefetched; chunks of the last step are forgotten, too.
 void part_drop_prefetch(part *p);
@@ -249,8 +244,23 @@ void part_drop_prefetch(part *p);
 // found and counted, and what was prefetched.
 void part_begin(part *p, uint64_t step);
 
+// Enters the next state.
+void part_enter(part *p, part_state to);
+
+// Takes the work of a step, or of the next try.
+void part_take(part *p, const part_task *task);
+
+// Runs a part from where it is to DONE, CROWDED or FAILED, in any thread.
+void part_run(void *part);
+
+// Figure 11 of the paper: one builds the grid and sends it, so that both can search.
+bool part_share_grid(part *from, part *to, duet_error *err);
+
+// How many objects travel together, if n do.
+uint32_t part_chunk_size(const part *p, uint32_t n);
+
 // Makes the views of the objects, their sizes, the grid's levels and the ids equal to what the task
-// wants. task.objects.n becomes the number of objects to read.
+// wants.
 bool part_update_views(part *p, duet_error *err);
 
 // Builds the task's range of the grid from the objects.
@@ -269,9 +279,6 @@ bool part_search(part *p, duet_error *err);
 // Adds what was counted on the device to the part's span, which then has all pairs of the last
 // step.
 bool part_read_counted(part *p, duet_error *err);
-
-// The blocks that the part marked in the last step for the other one.
-block_requests part_requests(const part *p);
 
 uint64_t part_bytes(const part *p); // memory held on the device
 

@@ -182,15 +182,16 @@ static void free_open_objects(open_objects *o)
 
 static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *err)
 {
-    size_t row = p->task.objects.row_bytes, n = 2 * (size_t)p->result.n_undecided;
+    const duet_size *sizes = p->task.objects->sizes.rows;
+    size_t row = p->task.objects->all.row_bytes, n = 2 * (size_t)p->result.n_undecided;
     o->rows = malloc(n * row);
     o->sizes = malloc(n * sizeof *o->sizes);
     if (!o->rows || !o->sizes)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu objects", n);
-    for (size_t i = 0; p->task.objects.sizes && i < n; ++i)
-        o->sizes[i] = p->task.objects.sizes[i % 2 ? open[i / 2].b : open[i / 2].a];
-    o->objects.array = o->rows;
-    o->objects.sizes = p->task.objects.sizes ? o->sizes : NULL;
+    for (size_t i = 0; sizes && i < n; ++i)
+        o->sizes[i] = sizes[i % 2 ? open[i / 2].b : open[i / 2].a];
+    o->objects.all.rows = o->rows;
+    o->objects.sizes.rows = o->sizes;
     if (!buffer_reserve(&p->gathered, p->device, n * row, err))
         return false;
     p->args.row_words = (cl_uint)(row / sizeof(cl_uint));
@@ -201,8 +202,8 @@ static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *
 
 static bool see_open_objects(part *p, const duet_pair *open, open_objects *o, duet_error *err)
 {
-    *o = (open_objects){.objects = p->task.objects};
-    return p->task.objects.array || p->result.n_undecided == 0 || gather(p, open, o, err);
+    *o = (open_objects){.objects = *p->task.objects};
+    return o->objects.all.rows || p->result.n_undecided == 0 || gather(p, open, o, err);
 }
 
 // Decides on the host what float left open. Returns how many of them collide,

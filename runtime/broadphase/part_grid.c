@@ -9,7 +9,7 @@ static void set_args(part *p)
     bool paper = p->variant.search == SEARCH_PAPER;
     uint32_t placed = range->last < range->expected ? range->last : range->expected;
     p->args = (part_args){
-        .n = p->task.objects.n,
+        .n = p->objects.n,
         .n_levels = p->task.grid->n_levels,
         .n_cells = p->task.grid->n_cells,
         .n_home_cells = range->home_to - range->key_from,
@@ -47,8 +47,8 @@ static bool clear(part *p, uint32_t n_counts, duet_error *err)
     p->args.n_counts = n_counts;
     return is_done ||
            (timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err) &&
-            (!p->kernels.summed || timeline_fill(&p->times, "clear", &p->scan.sums, 0, 0,
-                                                 p->scan.sums.bytes / sizeof(uint32_t), err)));
+            (!part_sums_blocks(p) || timeline_fill(&p->times, "clear", &p->scan.sums, 0, 0,
+                                                   p->scan.sums.bytes / sizeof(uint32_t), err)));
 }
 
 // ---------------------------------------------------------------- sorting
@@ -69,7 +69,7 @@ static bool hash_chunks(part *p, duet_error *err)
     bool ok = true;
     for (uint32_t i = 0; ok && i < v->n_chunks; from = v->chunks[i++].to)
         ok = hash_chunk(p, from, v->chunks[i].to, v->chunks[i].sent, err);
-    return ok && hash_chunk(p, from, p->task.objects.n, NULL, err);
+    return ok && hash_chunk(p, from, p->objects.n, NULL, err);
 }
 
 // Words of earlier steps have another epoch.
@@ -77,7 +77,7 @@ static bool reserve_requests(part *p, uint32_t n, duet_error *err)
 {
     buffer *b = &p->requests.words;
     size_t before = b->bytes;
-    ++p->requests.epoch;
+    ++p->requests.last.epoch;
     return buffer_reserve(b, p->device, (n / INPUT_BLOCK + 1) * sizeof(uint32_t), err) &&
            (b->bytes == before ||
             timeline_fill(&p->times, "clear", b, 0, 0, b->bytes / sizeof(uint32_t), err));
@@ -86,11 +86,14 @@ static bool reserve_requests(part *p, uint32_t n, duet_error *err)
 // Starts to read the requests if the device has memory of its own; else the search shows them.
 static bool read_requests(part *p, duet_error *err)
 {
-    const size_t bytes = p->requests.words.bytes;
-    return p->device->info.host_memory ||
-           (host_block_reserve(&p->requests.seen, p->device, 1, bytes, err) &&
-            timeline_start_read(&p->times, "fetch marks", &p->requests.words, 0,
-                                p->requests.seen.bytes, bytes, err));
+    const buffer *words = &p->requests.words;
+    const size_t bytes = words->bytes;
+    bool ok = p->device->info.host_memory ||
+              (host_block_reserve(&p->requests.seen, p->device, 1, bytes, err) &&
+               timeline_start_read(&p->times, "fetch marks", &p->requests.words, 0,
+                                   p->requests.seen.bytes, bytes, err));
+    p->requests.last.words = words->host ? words->host : p->requests.seen.bytes;
+    return ok;
 }
 
 // The part marks which objects of its own range, the first one, the other part needs. Nobody reads
@@ -105,7 +108,7 @@ static bool hash_ranges(part *p, duet_error *err)
     p->args.marked_from = p->args.marked_to = 0;
     for (uint32_t i = 0; ok && i < s->n_ranges; ++i)
         ok = i == s->own || hash_chunk(p, s->ranges[i].from, s->ranges[i].to, NULL, err);
-    p->args.n = p->task.objects.n;
+    p->args.n = p->objects.n;
     return ok;
 }
 
@@ -117,14 +120,13 @@ static bool fill_gaps(part *p, duet_error *err)
     bool ok = true;
     for (uint32_t i = 0; ok && i < s->n_ranges; from = s->ranges[i++].to)
         ok = timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, s->ranges[i].from, err);
-    return ok &&
-           timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, p->task.objects.n, err);
+    return ok && timeline_fill(&p->times, "hash", &p->keys, UINT32_MAX, from, p->objects.n, err);
 }
 
 static bool find_own_cells(part *p, duet_error *err)
 {
-    size_t edges = p->task.objects.n / (size_t)p->kernels.hash->per_item + 2;
-    p->args.n = p->task.objects.n;
+    size_t edges = p->objects.n / (size_t)p->kernels.hash->per_item + 2;
+    p->args.n = p->objects.n;
     return buffer_reserve(&p->edges, p->device, edges * sizeof(uint32_t), err) &&
            timeline_launch(&p->times, "hash", p->kernels.own_cells, 1, p, err);
 }
@@ -133,7 +135,7 @@ static bool find_own_cells(part *p, duet_error *err)
 static bool hash_objects(part *p, bool all, duet_error *err)
 {
     const bool in_ranges = p->task.wanted.kind == SELECT_RANGES;
-    uint32_t n = p->task.objects.n;
+    uint32_t n = p->objects.n;
     bool ok = !p->kernels.own_cells || n == 0 || find_own_cells(p, err);
     ok = ok && (in_ranges ? hash_ranges(p, err) : hash_chunks(p, err)) &&
          (!in_ranges || !all || fill_gaps(p, err));
@@ -144,7 +146,7 @@ static bool hash_objects(part *p, bool all, duet_error *err)
 // Runs a kernel over the objects that the part reads.
 static bool launch_over_objects(part *p, const char *stage, const kernel *k, duet_error *err)
 {
-    const selection all = select_all(p->task.objects.n);
+    const selection all = select_all(p->objects.n);
     const selection *s = p->task.wanted.kind == SELECT_RANGES ? &p->task.wanted : &all;
     bool ok = true;
     for (uint32_t i = 0; ok && i < s->n_ranges; ++i) {
@@ -152,7 +154,7 @@ static bool launch_over_objects(part *p, const char *stage, const kernel *k, due
         p->args.n = s->ranges[i].to;
         ok = timeline_launch(&p->times, stage, k, s->ranges[i].to - s->ranges[i].from, p, err);
     }
-    p->args.n = p->task.objects.n;
+    p->args.n = p->objects.n;
     return ok;
 }
 
@@ -160,15 +162,15 @@ static bool launch_over_objects(part *p, const char *stage, const kernel *k, due
 static bool counting_sort(part *p, duet_error *err)
 {
     return hash_objects(p, false, err) &&
-           (p->kernels.summed ? scan_run_summed : scan_run)(&p->scan, &p->times, "sort", &p->counts,
-                                                            &p->starts, count_starts(p), err) &&
-           (!p->kernels.from_ids || launch_over_objects(p, "sort", p->kernels.scatter, err));
+           (part_sums_blocks(p) ? scan_run_summed : scan_run)(
+               &p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(p), err) &&
+           (!part_goes_by_ids(p) || launch_over_objects(p, "sort", p->kernels.scatter, err));
 }
 
 static bool find_starts(part *p, duet_error *err)
 {
     bool paper = p->variant.search == SEARCH_PAPER;
-    uint64_t work = p->task.objects.n + (paper ? UINT64_C(0) : UINT64_C(1));
+    uint64_t work = p->objects.n + (paper ? UINT64_C(0) : UINT64_C(1));
     p->args.key_end = paper ? own_cells(p) : count_starts(p) - 1;
     if (paper &&
         !timeline_fill(&p->times, "cell start", &p->starts, UINT32_MAX, 0, p->args.key_end, err))
@@ -181,7 +183,7 @@ static bool radix_sort_keys(part *p, duet_error *err)
 {
     const radix_lists lists = {&p->keys, &p->ids, &p->keys_spare, &p->ids_spare};
     return hash_objects(p, true, err) &&
-           radix_sort_run(&p->radix, &p->times, "sort", &lists, p->task.objects.n,
+           radix_sort_run(&p->radix, &p->times, "sort", &lists, p->objects.n,
                           p->task.grid->key_bits, err) &&
            find_starts(p, err);
 }
@@ -191,12 +193,12 @@ static bool radix_sort_keys(part *p, duet_error *err)
 // The paper's kernels read bounds by id; the others read objects in cell order.
 static bool place(part *p, duet_error *err)
 {
-    uint32_t n = p->task.objects.n;
+    uint32_t n = p->objects.n;
     if (p->variant.search == SEARCH_PAPER)
         return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
     uint32_t work = n < p->place_capacity ? n : p->place_capacity;
     uint32_t launches_before = p->times.n_launches;
-    bool ok = p->kernels.from_ids
+    bool ok = part_goes_by_ids(p)
                   ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
                   : launch_over_objects(p, "reorder", p->kernels.place, err);
     if (p->times.n_launches > launches_before) // none, if the part reads no object
@@ -217,26 +219,26 @@ typedef struct place_bytes {
 // past n, for whole vectors are read and written there.
 static place_bytes bytes_of_places(const part *p, size_t n)
 {
-    bool poses = p->task.objects.shape != DUET_SHAPE_BOUNDS;
-    bool turned = p->task.def->rotated && p->task.objects.shape != DUET_SHAPE_SPHERES;
-    bool has_origin = p->task.objects.origin > 0.0f;
+    bool poses = p->task.objects->shape != DUET_SHAPE_BOUNDS;
+    bool turned = p->task.def->rotated && p->task.objects->shape != DUET_SHAPE_SPHERES;
+    bool has_origin = p->task.objects->origin > 0.0f;
     if (p->variant.search == SEARCH_SIMD) {
-        size_t columns = BOUNDS_COLUMNS_OF(p->task.objects.dims, has_origin);
-        size_t more = MOST_MORE_OF(p->task.objects.dims, turned);
-        if (grid_has_radii(&p->task.objects) && turned)
+        size_t columns = BOUNDS_COLUMNS_OF(p->task.objects->dims, has_origin);
+        size_t more = MOST_MORE_OF(p->task.objects->dims, turned);
+        if (grid_has_radii(p->task.objects) && turned)
             more = ROUNDED_MORE;
         size_t words = BOX_WORDS_OF(more, has_origin);
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
                              .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
     }
-    bool boxes = poses && p->variant.search == SEARCH_GPU && !p->kernels.unboxed;
+    bool boxes = poses && p->variant.search == SEARCH_GPU && !part_leaves_boxes(p);
     return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(has_origin) * sizeof(cl_float4),
                          .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
 }
 
 static bool reserve_places(part *p, size_t n, duet_error *err)
 {
-    size_t places = p->variant.search == SEARCH_PAPER ? p->task.objects.n : n;
+    size_t places = p->variant.search == SEARCH_PAPER ? p->objects.n : n;
     place_bytes bytes = bytes_of_places(p, places);
     p->place_capacity = (uint32_t)places;
     return buffer_reserve(&p->bounds, p->device, bytes.bounds, err) &&
@@ -249,7 +251,7 @@ static bool reserve_counts(part *p, duet_error *err)
     size_t before = p->counts.bytes + p->scan.sums.bytes;
     size_t words = p->variant.sort == SORT_COUNTING ? count_starts(p) : 1;
     bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err) &&
-              (!p->kernels.summed || scan_reserve(&p->scan, count_starts(p), err));
+              (!part_sums_blocks(p) || scan_reserve(&p->scan, count_starts(p), err));
     if (p->counts.bytes + p->scan.sums.bytes != before)
         p->zero_words = 0;
     return ok;
@@ -257,10 +259,10 @@ static bool reserve_counts(part *p, duet_error *err)
 
 static bool reserve_grid(part *p, duet_error *err)
 {
-    size_t words = p->task.objects.n * sizeof(uint32_t);
+    size_t words = p->objects.n * sizeof(uint32_t);
     return buffer_reserve(&p->keys, p->device, words, err) &&
            buffer_reserve(&p->keys_spare, p->device, words, err) &&
-           (!p->kernels.from_ids || buffer_reserve(&p->ids, p->device, words, err)) &&
+           (!part_goes_by_ids(p) || buffer_reserve(&p->ids, p->device, words, err)) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
            buffer_reserve(&p->starts, p->device, count_starts(p) * sizeof(uint32_t), err) &&
@@ -271,10 +273,9 @@ bool part_build_grid(part *p, duet_error *err)
 {
     bool counting = p->variant.sort == SORT_COUNTING;
     set_args(p);
-    bool ok =
-        reserve_grid(p, err) &&
-        (p->task.wanted.kind != SELECT_RANGES || reserve_requests(p, p->task.objects.n, err)) &&
-        clear(p, counting ? count_starts(p) : 0, err);
+    bool ok = reserve_grid(p, err) &&
+              (p->task.wanted.kind != SELECT_RANGES || reserve_requests(p, p->objects.n, err)) &&
+              clear(p, counting ? count_starts(p) : 0, err);
     if (!ok)
         return false;
     ok = counting ? counting_sort(p, err) : radix_sort_keys(p, err);
@@ -295,12 +296,22 @@ enum { PIECES = 3 };
 
 static int grid_pieces(part *from, part *to, grid_piece pieces[PIECES])
 {
-    size_t words = from->task.objects.n * sizeof(uint32_t);
+    size_t words = from->objects.n * sizeof(uint32_t);
     size_t starts = ((size_t)from->task.grid->n_cells + 1 + STARTS_BEHIND) * sizeof(uint32_t);
     pieces[0] = (grid_piece){&from->ids, &to->ids, words};
     pieces[1] = (grid_piece){&from->starts, &to->starts, starts};
     pieces[2] = (grid_piece){&from->keys, &to->keys, words};
     return from->variant.search == SEARCH_PAPER ? 3 : 2;
+}
+
+// The place of a piece on the host: where the sender has it, or the next in the block.
+static void *place_on_host(const grid_piece *piece, char **next)
+{
+    char *at = *next;
+    if (piece->from->host)
+        return piece->from->host;
+    *next += piece->bytes;
+    return at;
 }
 
 bool part_send_grid(part *from, part *to, duet_error *err)
@@ -313,14 +324,12 @@ bool part_send_grid(part *from, part *to, duet_error *err)
     if (!from->device->info.host_memory &&
         !host_block_reserve(&from->sent, from->devices, 2, total, err))
         return false;
-    char *at = from->sent.bytes;
-    for (int i = 0; i < n; ++i) {
-        void *host = pieces[i].from->host ? pieces[i].from->host : at;
-        if (!timeline_read(&from->times, "send grid", pieces[i].from, host, pieces[i].bytes, err))
-            return false;
-        at = pieces[i].from->host ? at : at + pieces[i].bytes;
-    }
-    return true;
+    char *next = from->sent.bytes;
+    bool ok = true;
+    for (int i = 0; ok && i < n; ++i)
+        ok = timeline_read(&from->times, "send grid", pieces[i].from,
+                           place_on_host(&pieces[i], &next), pieces[i].bytes, err);
+    return ok;
 }
 
 static bool receive_piece(part *to, grid_piece piece, void *host, duet_error *err)
@@ -348,18 +357,15 @@ bool part_receive_grid(part *to, part *from, duet_error *err)
 {
     grid_piece pieces[PIECES];
     int n = grid_pieces(from, to, pieces);
-    char *at = from->sent.bytes;
+    char *next = from->sent.bytes;
     set_args(to);
-    if (!clear(to, 0, err))
+    bool ok = clear(to, 0, err);
+    for (int i = 0; ok && i < n; ++i)
+        ok = receive_piece(to, pieces[i], place_on_host(&pieces[i], &next), err);
+    if (!ok)
         return false;
-    for (int i = 0; i < n; ++i) {
-        void *host = pieces[i].from->host ? pieces[i].from->host : at;
-        if (!receive_piece(to, pieces[i], host, err))
-            return false;
-        at = pieces[i].from->host ? at : at + pieces[i].bytes;
-    }
     if (to->variant.search == from->variant.search && to->device->info.host_memory &&
         from->device->info.host_memory)
         return borrow_places(to, from, err);
-    return reserve_places(to, to->task.objects.n, err) && place(to, err);
+    return reserve_places(to, to->objects.n, err) && place(to, err);
 }

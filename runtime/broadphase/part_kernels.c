@@ -15,7 +15,7 @@
 static bool gathers(const part *p)
 {
     return p->objects.bound.mem && !p->device->info.host_memory &&
-           p->task.objects.shape == DUET_SHAPE_POSES;
+           p->task.objects->shape == DUET_SHAPE_POSES;
 }
 
 static bool has_slabs(const part_task *task)
@@ -26,8 +26,8 @@ static bool has_slabs(const part_task *task)
 // Most levels are one if nothing is rotated, or objects have radii.
 static duet_level level_of(const part_task *task)
 {
-    bool turned_boxes = task->objects.shape == DUET_SHAPE_POSES && task->def->rotated;
-    bool differs = task->objects.shape != DUET_SHAPE_BOUNDS &&
+    bool turned_boxes = task->objects->shape == DUET_SHAPE_POSES && task->def->rotated;
+    bool differs = task->objects->shape != DUET_SHAPE_BOUNDS &&
                    (turned_boxes || level_tests_upright(task->def->level));
     return differs ? task->def->level : DUET_LEVEL_CERTIFIED;
 }
@@ -51,7 +51,7 @@ static bool is_roomy(const part_task *task)
 {
     const cl_int *cells = task->grid->levels[0].cells.s;
     return is_dense_of_one_level(task->grid) && cells[0] > 2 &&
-           (task->objects.dims == 2 || cells[1] > 2);
+           (task->objects->dims == 2 || cells[1] > 2);
 }
 
 // The kernels of each way to search.
@@ -84,49 +84,60 @@ static bool counts_own_cells(const part *p)
            selection_count(&task->wanted) >= least * p->device->info.units;
 }
 
-// Whether the kernels test boxes, beyond their bounds.
-static bool tests_boxes(const part_task *task)
+bool part_tests_boxes(const part *p)
 {
-    return task->objects.shape != DUET_SHAPE_BOUNDS && level_of(task) != DUET_LEVEL_AABB;
+    return p->task.objects->shape != DUET_SHAPE_BOUNDS && level_of(&p->task) != DUET_LEVEL_AABB;
 }
 
 // Boxes that are in order are near each other where they are.
-static bool leaves_boxes(const variant *v, const part_task *task)
+bool part_leaves_boxes(const part *p)
 {
-    return v->search == SEARCH_GPU && task->def->ordered &&
-           task->objects.shape == DUET_SHAPE_POSES && !task->objects.sizes &&
-           task->objects.origin == 0.0f && task->wanted.kind != SELECT_LIST;
+    const part_task *task = &p->task;
+    return p->variant.search == SEARCH_GPU && task->def->ordered &&
+           task->objects->shape == DUET_SHAPE_POSES && !grid_has_sizes(task->objects) &&
+           task->objects->origin == 0.0f && task->wanted.kind != SELECT_LIST;
 }
 
 // Objects that are in order go to places side by side.
-static bool goes_to_places(const variant *v, const part_task *task)
+static bool goes_to_places(const part *p)
 {
-    return v->sort == SORT_COUNTING && task->role == GRID_OWN && task->def->ordered;
+    return p->variant.sort == SORT_COUNTING && p->task.role == GRID_OWN && p->task.def->ordered;
 }
 
-static bool sums_blocks(const part *p)
+bool part_sums_blocks(const part *p)
 {
-    return goes_to_places(&p->variant, &p->task) && p->variant.search == SEARCH_SIMD &&
-           p->task.objects.shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p);
+    return goes_to_places(p) && p->variant.search == SEARCH_SIMD &&
+           p->task.objects->shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p);
+}
+
+bool part_goes_by_ids(const part *p)
+{
+    return p->variant.search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1
+                                           : !part_sums_blocks(p);
+}
+
+bool part_is_fused(const part *p)
+{
+    return kernel_param(p->kernels.candidates, "FUSED") == 1;
 }
 
 static void choose(const part *p, part_choice choices[PART_CHOICES])
 {
     const part_task *task = &p->task;
     const variant *v = &p->variant;
-    const grid_objects *o = &task->objects;
+    const grid_objects *o = task->objects;
     const grid *g = task->grid;
-    const bool counting = v->sort == SORT_COUNTING, tested = tests_boxes(task);
+    const bool counting = v->sort == SORT_COUNTING, tested = part_tests_boxes(p);
     const bool turned =
         o->shape != DUET_SHAPE_BOUNDS && task->def->rotated && o->shape != DUET_SHAPE_SPHERES;
-    const bool unboxed = leaves_boxes(v, task), to_places = goes_to_places(v, task);
+    const bool unboxed = part_leaves_boxes(p), to_places = goes_to_places(p);
     const bool in_ranges = task->wanted.kind == SELECT_RANGES;
     const cl_int4 cells = compiled_cells(p, g);
     const part_choice all[PART_CHOICES] = {
         {"DIMS", o->dims, false},
         {"SHAPE", o->shape, false},
         {"ORIGIN", origin_setting(o->origin), false},
-        {"APART", o->sizes ? 1 + o->compact : 0, false},
+        {"APART", o->kind == DUET_OBJECT_COMPACT_TRANSFORMS ? 2 : grid_has_sizes(o), false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
         {"SORTED", searches[v->search].in_cell_order && !unboxed, false},
@@ -146,7 +157,7 @@ static void choose(const part *p, part_choice choices[PART_CHOICES])
         {"GUARDED", has_slabs(task), false},
         {"SLAB", has_slabs(task) && part_range_is_cut(&task->range, g), false},
         {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
-        {"TO_PLACES", sums_blocks(p), false},
+        {"TO_PLACES", part_sums_blocks(p), false},
         {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
         {"EMPTIES", counting, false},
         {"FUSED", tested && v->fused, tested},
@@ -214,7 +225,7 @@ static bool ask_sorts(part *p, duet_error *err)
                                    RADIX_SORT_KERNELS(&p->radix, p->variant.sort == SORT_RADIX)};
     if (!ASK(p, list, err))
         return false;
-    if (p->kernels.summed)
+    if (part_sums_blocks(p))
         p->offers[p->n_offers++] =
             (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
     return true;
@@ -237,11 +248,7 @@ static bool ask_grid_and_search(part *p, bool own, duet_error *err)
         {&k->place, true, place[0], place[1], part_bindings},
         {&k->candidates, true, candidates, candidates, part_bindings},
     };
-    if (!ASK(p, list, err))
-        return false;
-    k->from_ids = search == SEARCH_GPU ? kernel_param(k->place, "FROM_IDS") == 1 : !k->summed;
-    k->fused = kernel_param(k->candidates, "FUSED") == 1;
-    return true;
+    return ASK(p, list, err);
 }
 
 // Fused rows leave to narrow what their buffers cannot hold, lanes nothing.
@@ -249,7 +256,8 @@ static bool ask_tests_and_reads(part *p, duet_error *err)
 {
     part_kernels *k = &p->kernels;
     const char *narrow = searches[p->variant.search].narrow;
-    const bool narrows = !k->listed && !(k->fused && p->variant.search == SEARCH_SIMD);
+    const bool narrows =
+        part_tests_boxes(p) && !(part_is_fused(p) && p->variant.search == SEARCH_SIMD);
     const kernel_request list[] = {
         {&k->narrow, narrows, narrow, narrow, part_bindings},
         {&k->gather, gathers(p), "read_rows", "gather_rows", part_gather_bindings},
@@ -290,19 +298,11 @@ bool part_prepare(part *p, const variant *asked, duet_error *err)
 {
     if (is_prepared(p, asked))
         return true;
-    const part_task *task = &p->task;
     p->variant = *asked;
-    bool was_summed = p->kernels.summed, sums = sums_blocks(p);
-    bool own = counts_own_cells(p);
+    const bool own = counts_own_cells(p);
     choose(p, p->choices);
-    p->kernels = (part_kernels){
-        .summed = sums,
-        .unboxed = leaves_boxes(&p->variant, task),
-        .guarded = has_slabs(task) && p->variant.search != SEARCH_PAPER,
-        .listed = !tests_boxes(task),
-    };
-    if (sums && !was_summed)
-        p->zero_words = 0; // other kernels leave the scan's sums as they are
+    p->kernels.skim = NULL;
+    p->zero_words = 0; // other kernels leave other words as they are
     bool ok = build(p, own, err);
     if (!ok)
         p->kernels = (part_kernels){0};

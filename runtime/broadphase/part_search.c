@@ -28,7 +28,7 @@ static bool reserve_pairs(part *p, buffer *b, uint64_t pairs, duet_error *err)
 static uint32_t search_work(const part *p)
 {
     const part_range *r = &p->task.range;
-    return (uint32_t)smaller(r->last, smaller(r->expected, p->task.objects.n)) - r->first;
+    return (uint32_t)smaller(r->last, smaller(r->expected, p->objects.n)) - r->first;
 }
 
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
@@ -45,7 +45,7 @@ static bool run_candidates(part *p, duet_error *err)
     a->pair_capacity = capacity_of(&p->pairs);
     a->undecided_capacity = capacity_of(&p->undecided);
     a->left_capacity = capacity_of(&p->left);
-    bool decides = p->variant.search == SEARCH_SIMD && p->kernels.fused;
+    bool decides = p->variant.search == SEARCH_SIMD && part_is_fused(p);
     return timeline_launch(&p->times, decides ? "search" : "candidates", p->kernels.candidates,
                            search_work(p), p, err);
 }
@@ -96,7 +96,7 @@ static bool test_listed(part *p, duet_error *err)
 {
     if (!p->kernels.narrow)
         return part_read_found(p, err);
-    if (!p->kernels.fused)
+    if (!part_is_fused(p))
         return run_narrow(p, narrow_work(p, search_work(p)), err) && part_read_found(p, err);
     if (!part_read_found(p, err))
         return false;
@@ -127,7 +127,7 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
 {
     uint64_t guess = objects;
     bool ok = p->pairs.mem || reserve_pairs(p, &p->pairs, guess, err);
-    if (p->task.objects.shape != DUET_SHAPE_BOUNDS)
+    if (p->task.objects->shape != DUET_SHAPE_BOUNDS)
         ok = ok && (p->undecided.mem || reserve_pairs(p, &p->undecided, guess / 64, err));
     if (p->task.ids)
         ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err)) &&
@@ -135,14 +135,14 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
     if (p->kernels.narrow)
         ok = ok &&
              (p->candidates.mem ||
-              reserve_pairs(p, &p->candidates, p->kernels.fused ? guess / 64 : 2 * guess, err));
+              reserve_pairs(p, &p->candidates, part_is_fused(p) ? guess / 64 : 2 * guess, err));
     return ok;
 }
 
 static void note_placed(part *p)
 {
-    if (p->result.found.placed > p->task.range.expected)
-        p->state = PART_CROWDED;
+    if (p->result.found.placed > p->task.range.expected && p->state != PART_CROWDED)
+        part_enter(p, PART_CROWDED);
 }
 
 // A grid with space for fewer objects than there are may get more than it holds, and
@@ -150,7 +150,7 @@ static void note_placed(part *p)
 // nothing, so the host need not wait between grid and search.
 static bool check_placed(part *p, duet_error *err)
 {
-    if (p->task.range.expected >= p->task.objects.n || p->kernels.guarded)
+    if (p->task.range.expected >= p->objects.n || p->variant.search != SEARCH_PAPER)
         return true;
     bool ok = part_read_counters(p, err);
     note_placed(p);
@@ -169,8 +169,8 @@ bool part_search(part *p, duet_error *err)
     }
     if (!ok || p->state == PART_CROWDED)
         return ok;
-    p->result.n_candidates = p->kernels.listed
-                                 ? p->result.found.pairs
-                                 : p->result.found.candidates + p->result.found.tested;
+    p->result.n_candidates = part_tests_boxes(p)
+                                 ? p->result.found.candidates + p->result.found.tested
+                                 : p->result.found.pairs;
     return part_fetch(p, err);
 }

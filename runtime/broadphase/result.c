@@ -37,7 +37,7 @@ static duet_result describe_found(const duet_world *world)
     uint32_t bad = count_bad(world);
     bool left = world->left.device;
     return (duet_result){
-        .objects = world->n,
+        .objects = world->objects.all.n,
         .bad = bad,
         .first_bad = bad ? smallest(a->result.found.first_bad, b->result.found.first_bad) : 0,
         .candidates = a->result.n_candidates + b->result.n_candidates,
@@ -52,7 +52,7 @@ static duet_result describe_found(const duet_world *world)
         .grid_levels = world->grid.n_levels,
         .hashed = world->grid.kind == GRID_HASHED,
         .cell = world->grid.edge,
-        .cell_widened = world->cell_widened,
+        .cell_widened = world->def.cell > 0.0f && world->grid.widest > world->def.cell,
         .runs = largest(a->result.runs, b->result.runs),
         .stages = world->stages,
         .timed = !a->times.untimed && !b->times.untimed,
@@ -65,7 +65,7 @@ static bool check_bad(const duet_world *world, const duet_result *found, duet_er
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "object %u of %u is not a number, infinite, negative or without rotation "
                      "(%u such objects)",
-                     found->first_bad, world->n, found->bad);
+                     found->first_bad, world->objects.all.n, found->bad);
 }
 
 // ---------------------------------------------------------------- its pairs on a device
@@ -145,13 +145,12 @@ static bool leave_pairs(duet_world *world, bool found, duet_error *err)
     cl_int code = b->last.count ? clEnqueueWriteBuffer(b->device->queue, b->last.count, CL_TRUE, 0,
                                                        sizeof n, &n, 0, NULL, NULL)
                                 : CL_SUCCESS;
-    b->count_written = code == CL_SUCCESS;
-    if (ok && !b->count_written)
+    if (code != CL_SUCCESS)
+        b->last.count = NULL;
+    if (ok && code != CL_SUCCESS)
         ok = error_set_cl(err, code, "%s: leaving the number of pairs", b->device->info.selector);
     if (ok)
         b->last.pairs = b->pairs ? b->pairs : b->joined->mem;
-    else
-        b->last = (duet_pair_buffers){0};
     return ok;
 }
 
@@ -257,7 +256,7 @@ bool duet_world_get_pair_buffers(duet_world *world, duet_pair_buffers *buffers, 
     PUBLIC_CALL(err);
     if (!world_is_idle(world, __func__, err) || !error_given(buffers, __func__, "buffers", err))
         return false;
-    *buffers = world->left.last;
+    *buffers = world->left.last.pairs ? world->left.last : (duet_pair_buffers){0};
     return buffers->pairs ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "%s: no step has left its pairs in a buffer; expected duet_world_leave_pairs, "

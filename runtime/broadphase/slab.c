@@ -22,12 +22,12 @@ void split_free(split *s)
 
 void split_forget(split *s)
 {
-    s->generation = 0;
+    s->n_rows = 0;
 }
 
-bool split_is_stale(const split *s, const grid *g)
+bool split_is_stale(const split *s)
 {
-    return s->generation != g->generation || g->generation == 0;
+    return s->n_rows == 0;
 }
 
 static bool count_objects(split *s, const grid *g, const grid_objects *objects, duet_error *err)
@@ -37,15 +37,15 @@ static bool count_objects(split *s, const grid *g, const grid_objects *objects, 
     if (!rows)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
                          n_rows);
-    for (uint32_t first = 0, n; first < objects->n; first += n) {
-        uint32_t of[GRID_BLOCK], left = objects->n - first;
+    for (uint32_t first = 0, n; first < objects->all.n; first += n) {
+        uint32_t of[GRID_BLOCK], left = objects->all.n - first;
         n = left < GRID_BLOCK ? left : GRID_BLOCK;
         grid_cell_rows(of, g, objects, first, n);
         for (uint32_t k = 0; k < n; ++k)
             ++rows[of[k]];
     }
     free(s->cell_rows);
-    *s = (split){.generation = g->generation, .cell_rows = rows, .n_rows = n_rows};
+    *s = (split){.cell_rows = rows, .n_rows = n_rows};
     return true;
 }
 
@@ -113,8 +113,8 @@ static void cut_rows(split *s, const grid *g, const grid_objects *objects)
     uint32_t layer = objects->dims == 3 ? (uint32_t)g->levels[0].cells.s[1] : 0;
     uint64_t ahead = (uint64_t)cut + layer + 1;
     uint32_t ghost_to = ahead < s->n_rows ? (uint32_t)ahead : s->n_rows;
-    s->ranges[0] = slab_of(s, g, objects->n, 0, cut, ghost_to);
-    s->ranges[1] = slab_of(s, g, objects->n, cut, s->n_rows, s->n_rows);
+    s->ranges[0] = slab_of(s, g, objects->all.n, 0, cut, ghost_to);
+    s->ranges[1] = slab_of(s, g, objects->all.n, cut, s->n_rows, s->n_rows);
     for (int side = 0; side < 2; ++side) {
         s->ranges[side].other_from = s->ranges[1 - side].key_from;
         s->ranges[side].other_to = s->ranges[1 - side].key_to;
@@ -124,11 +124,11 @@ static void cut_rows(split *s, const grid *g, const grid_objects *objects)
 bool split_cut(split *s, const grid *g, const grid_objects *objects, uint32_t share,
                part_range ranges[2], duet_error *err)
 {
-    if (split_is_stale(s, g) && !count_objects(s, g, objects, err))
+    if (split_is_stale(s) && !count_objects(s, g, objects, err))
         return false;
-    if (s->n != objects->n || s->share != share) {
+    if (s->n != objects->all.n || s->share != share) {
         s->share = share;
-        s->n = objects->n;
+        s->n = objects->all.n;
         cut_rows(s, g, objects);
     }
     memcpy(ranges, s->ranges, sizeof s->ranges);

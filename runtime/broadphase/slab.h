@@ -21,27 +21,30 @@ typedef struct part_range {
     uint32_t expected_ghosts; // a slab's, likewise: objects of no home key
 } part_range;
 
+static inline bool part_range_has_work(const part_range *range)
+{
+    return range->first < range->last;
+}
+
 // Whether many objects are in none of the part's cells: the other part has a slab, too.
 bool part_range_is_cut(const part_range *range, const grid *g);
 
-// Invariant: the rows are counts of the objects that the grid of `generation` was fitted to, or of
-// later ones that still suited it; 0: they are to be counted. The ranges are the cut for `share` of
-// n objects; n = 0: there is none.
+// Invariant: the rows are counts of the objects that the grid was fitted to, or of later ones that
+// still suited it. The ranges are the cut for `share` of n objects; n = 0: there is none.
 typedef struct split {
-    uint64_t generation;
     uint32_t *cell_rows; // [n_rows] objects in each row of cells
-    uint32_t n_rows;
+    uint32_t n_rows;     // 0: they are to be counted
     uint32_t share, n;
     part_range ranges[2]; // kept, because adding up the rows takes as long as 1/10 of a GPU's step
 } split;
 
 void split_free(split *s);
 
-// Counts the objects again in the next cut.
+// Counts the objects again in the next cut, of another grid perhaps.
 void split_forget(split *s);
 
-// Whether a cut of this grid would count the objects, which the host must see for that.
-bool split_is_stale(const split *s, const grid *g);
+// Whether a cut would count the objects, which the host must see for that.
+bool split_is_stale(const split *s);
 
 // The slabs of A and B, of a dense grid of one level: A's home has about share of the work.
 // A slab without rows is empty: its first and last are 0.

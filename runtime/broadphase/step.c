@@ -18,141 +18,14 @@
 
 #include <math.h>
 
-// ---------------------------------------------------------------- tasks
-
-// Leaves pairs on a device if the other one can read them there. A device on host memory gains
-// nothing by it, unless the pairs are wanted in its own buffer.
-static bool pairs_on_device(const duet_world *world, int side)
-{
-    const device *to = world->left.device, *from = world->parts[side].device;
-    return to && (from == to || (!from->info.host_memory && from->context == to->context));
-}
-
-static grid_role role_of(const duet_world *world, int side)
-{
-    const bool shared = world->def.plan.mode == DUET_MODE_SHARED;
-    return !shared ? GRID_OWN : side == 0 ? GRID_RECEIVED : GRID_BUILT;
-}
-
-// The paper's kernels read every object by its id. Each device marks the blocks that the other one
-// needs, so that both read ranges or none does.
-static bool selects_ranges(const duet_world *world)
-{
-    return world->def.ordered && world->def.plan.mode == DUET_MODE_SLAB &&
-           world->variants[0].search != SEARCH_PAPER && world->variants[1].search != SEARCH_PAPER;
-}
-
-static bool has_work(const part_range *range)
-{
-    return range->first < range->last;
-}
-
-// A device with memory of its own gets a list of its slab's objects, if the variant asks for it and
-// that leaves out enough. The kernels know lists of poses and bounds alone.
-static bool selects_list(const duet_world *world, const grid_objects *o, const part_range ranges[2],
-                         int side)
-{
-    const part *p = &world->parts[side];
-    const variant *v = &world->variants[side];
-    const bool plain = (o->shape == DUET_SHAPE_POSES || o->shape == DUET_SHAPE_BOUNDS) &&
-                       o->origin == 0.0f && !o->sizes;
-    return world->def.plan.mode == DUET_MODE_SLAB && plain && v->search == SEARCH_GPU &&
-           v->send == SEND_PACKED && !p->device->info.host_memory && !p->objects.bound.mem &&
-           has_work(&ranges[0]) && has_work(&ranges[1]) && compaction_pays(&ranges[side], o->n);
-}
-
-static selection select_objects(const duet_world *world, const grid_objects *o,
-                                const part_range ranges[2], int side)
-{
-    if (selects_ranges(world))
-        return world->ranges.selections[side];
-    if (!selects_list(world, o, ranges, side))
-        return select_all(o->n);
-    return (selection){
-        .kind = SELECT_LIST,
-        .slab = {world->grid.generation, ranges[side].key_from, ranges[side].key_to}};
-}
-
-// Which objects each part searches around: parts of one sorted order, or slabs.
-static bool divide(duet_world *world, const grid_objects *o, part_range ranges[2], duet_error *err)
-{
-    uint32_t share = world->def.plan.share, n_cells = world->grid.n_cells;
-    if (world->def.plan.mode == DUET_MODE_SLAB)
-        return split_cut(&world->split, &world->grid, o, share, ranges, err) &&
-               (!selects_ranges(world) ||
-                input_ranges_begin(&world->ranges, &world->grid, o->n, ranges, err));
-    uint32_t cut = (uint32_t)((uint64_t)o->n * share / DUET_SHARE_ONE);
-    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = o->n};
-    ranges[0] = ranges[1] = whole;
-    ranges[0].last = ranges[1].first = cut;
-    ranges[1].last = o->n;
-    return true;
-}
-
 // ---------------------------------------------------------------- parts
-
-static bool build_grid(part *p, duet_error *err)
-{
-    if (!part_update_views(p, err))
-        return false;
-    if (p->state == PART_CROWDED)
-        return true;
-    p->state = PART_HAS_GRID;
-    return part_build_grid(p, err);
-}
-
-static bool receive_grid(part *p, part *from, duet_error *err)
-{
-    p->state = PART_HAS_GRID;
-    return part_receive_grid(p, from, err);
-}
-
-static bool search(part *p, duet_error *err)
-{
-    bool ok = part_search(p, err);
-    if (p->state == PART_HAS_GRID)
-        p->state = PART_DONE;
-    return ok;
-}
-
-// Runs a part from where it is, possibly in the driver's thread.
-static void run_part(void *arg)
-{
-    part *p = arg;
-    uint64_t begun = clock_steady_ns();
-    bool ok = p->state == PART_HAS_GRID ||
-              (p->task.role == GRID_RECEIVED ? receive_grid(p, p->task.other, &p->err)
-                                             : build_grid(p, &p->err));
-    if (ok && p->state == PART_HAS_GRID)
-        ok = search(p, &p->err);
-    if (!ok) {
-        p->state = PART_FAILED;
-        part_invalidate(p);
-        compaction_cancel(p->task.lists);
-    }
-    p->bytes = part_bytes(p);
-    p->result.wall_ms += clock_ms_since(begun);
-}
-
-// Figure 11: B builds the grid and sends it; then both search.
-static bool share_grid(part *a, part *b, duet_error *err)
-{
-    uint64_t begun = clock_steady_ns();
-    bool ok = build_grid(b, err) && part_update_views(a, err) && part_send_grid(b, a, err);
-    b->result.wall_ms = clock_ms_since(begun);
-    if (!ok) {
-        part_invalidate(a);
-        part_invalidate(b);
-    }
-    return ok;
-}
 
 // The slab whose objects are to be listed, or NULL.
 static const part_range *slab_to_list(const part *p)
 {
     const part_task *task = &p->task;
     bool lists = task->wanted.kind == SELECT_LIST &&
-                 !view_has(&p->objects, task->objects.generation, &task->wanted);
+                 !view_has(&p->objects, task->objects->all.generation, &task->wanted);
     return lists ? &task->range : NULL;
 }
 
@@ -163,11 +36,11 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
     part *a = &world->parts[0], *b = &world->parts[1];
     const part_range *const slabs[2] = {slab_to_list(a), slab_to_list(b)};
     const device *const devices[2] = {a->device, b->device};
-    const grid_objects objects = world_objects(world);
     thread_pool *threads = NULL;
-    if (!compaction_start(&world->lists, &objects, &world->grid, slabs, devices, &threads, err))
+    if (!compaction_start(&world->lists, &world->objects, &world->grid, slabs, devices, &threads,
+                          err))
         return false;
-    thread_pool_run_both(world->driver, run_part, use[0] ? a : NULL, use[1] ? b : NULL);
+    thread_pool_run_both(world->driver, part_run, use[0] ? a : NULL, use[1] ? b : NULL);
     thread_pool_wait(threads);
     if (a->state != PART_FAILED && b->state != PART_FAILED)
         return true;
@@ -179,56 +52,31 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
 static void begin_parts(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
-        if (world->n == 0 ||
-            !view_is_prefetched(&world->parts[side].objects, world->objects_generation))
+        if (world->objects.all.n == 0 ||
+            !view_is_prefetched(&world->parts[side].objects, world->objects.all.generation))
             part_begin(&world->parts[side], world->steps);
-}
-
-static bool give_tasks(duet_world *world, const grid_objects *objects, duet_error *err)
-{
-    part_range ranges[2];
-    if (!divide(world, objects, ranges, err))
-        return false;
-    for (int side = 0; side < 2; ++side) {
-        part *p = &world->parts[side];
-        p->state = PART_BEGUN;
-        p->err = (duet_error){0};
-        p->task = (part_task){
-            .def = &world->def,
-            .objects = *objects,
-            .grid = &world->grid,
-            .role = role_of(world, side),
-            .other = &world->parts[1 - side],
-            .range = ranges[side],
-            .wanted = select_objects(world, objects, ranges, side),
-            .lists = &world->lists,
-            .ids = p->device->info.host_memory ? NULL : world->ids.list,
-            .pairs_on_device = pairs_on_device(world, side),
-        };
-    }
-    return true;
 }
 
 // *found_all is false if a slab had more objects than space, or a requested block was not selected:
 // both are known then, and the parts are to be run again.
-static bool run_parts(duet_world *world, const grid_objects *objects, bool *found_all,
-                      duet_error *err)
+static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
 {
     part *a = &world->parts[0], *b = &world->parts[1];
-    if (!give_tasks(world, objects, err))
+    if (!world_give_tasks(world, err))
         return false;
-    const bool shared = a->task.role == GRID_RECEIVED && has_work(&a->task.range);
-    const bool use[2] = {has_work(&a->task.range), shared || has_work(&b->task.range)};
+    const bool shared = a->task.role == GRID_RECEIVED && part_range_has_work(&a->task.range);
+    const bool use[2] = {part_range_has_work(&a->task.range),
+                         shared || part_range_has_work(&b->task.range)};
     if ((use[0] && !part_prepare(a, &world->variants[0], err)) ||
         (use[1] && !part_prepare(b, &world->variants[1], err)) ||
-        (shared && !share_grid(a, b, err)) || !run_both(world, use, err))
+        (shared && !part_share_grid(b, a, err)) || !run_both(world, use, err))
         return false;
     const bool crowded = a->state == PART_CROWDED || b->state == PART_CROWDED;
-    const block_requests requests[2] = {part_requests(a), part_requests(b)};
+    const block_requests requests[2] = {a->requests.last, b->requests.last};
     if (crowded)
         split_forget(&world->split);
     *found_all =
-        !crowded && (!selects_ranges(world) || input_ranges_held(&world->ranges, requests));
+        !crowded && (!world_selects_ranges(world) || input_ranges_held(&world->ranges, requests));
     return true;
 }
 
@@ -242,14 +90,13 @@ static bool find_all(duet_world *world, duet_error *err)
 {
     bool fits = false;
     for (int fit = 0; !fits; ++fit) {
-        grid_objects objects;
         begin_parts(world);
-        if (!budget_check(err) || !world_fit_grid(world, &objects, false, NULL, err))
+        if (!budget_check(err) || !world_fit_grid(world, false, NULL, err))
             return false;
-        if (world->n == 0)
+        if (world->objects.all.n == 0)
             return true;
         bool found_all = false;
-        if (!run_parts(world, &objects, &found_all, err))
+        if (!run_parts(world, &found_all, err))
             return false;
         float widest =
             fmaxf(world->parts[0].result.found.widest, world->parts[1].result.found.widest);
@@ -308,14 +155,12 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
 bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
                          part_counted counted[2], duet_error *err)
 {
-    counting_ids *state = &world->ids;
-    global_ids own = *ids;
-    own.before = state->generation;
-    const bool changed = own.before == 0 || own.all_changed || own.n_changed > 0;
-    own.generation = state->generation += changed;
-    state->list = &own;
+    const uint64_t before = world->ids.generation;
+    world->ids = *ids;
+    world->ids.generation = before + (before == 0 || ids->n_changed > 0);
+    world->counted = &world->ids;
     bool ok = duet_world_step(world, result, err);
-    state->list = NULL;
+    world->counted = NULL;
     for (int side = 0; side < 2; ++side)
         counted[side] = world->parts[side].result.counted;
     return ok;
@@ -329,60 +174,4 @@ bool world_read_counted(duet_world *world, duet_span spans[2], duet_error *err)
         spans[side] = world->parts[side].result.span;
     }
     return ok;
-}
-
-// ---------------------------------------------------------------- before a step
-
-// A device that is sent all objects, into memory of its own. The step may use other kernels, of
-// another grid; here they only set the chunk size.
-static bool can_prefetch(const duet_world *world, int side)
-{
-    uint32_t share = world->def.plan.share;
-    return world_is_prepared(world, side) && world->def.plan.mode == DUET_MODE_OWN &&
-           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
-           (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
-}
-
-void world_prefetch(duet_world *world, uint32_t n)
-{
-    const size_t row = world_kind_bytes(world->kind);
-    const host_array objects = {world->rows, row, n, world->objects_generation};
-    const uint64_t step = world->def.stage_times ? 0 : world->steps;
-    for (int side = 0; side < 2 && n > 0 && !world->resident.mem; ++side) {
-        part *p = &world->parts[side];
-        if (can_prefetch(world, side) &&
-            !part_prefetch(p, &objects, world->objects.size, step, NULL))
-            part_invalidate(p);
-    }
-}
-
-static bool is_prefetched(const part *p)
-{
-    return view_is_prefetched(&p->objects, p->objects.generation);
-}
-
-// B, which has most of the work, unless A alone has prefetched objects.
-static part *skimmer(duet_world *world)
-{
-    return &world->parts[is_prefetched(&world->parts[1])];
-}
-
-bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
-{
-    part *p = skimmer(world);
-    const device_view *v = &p->objects;
-    return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->n &&
-           part_skim(p, &world->def, inside_lower, inside_upper, NULL);
-}
-
-uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
-{
-    return part_await_skim(skimmer(world), from, blocks);
-}
-
-void world_cancel_prefetch(duet_world *world)
-{
-    for (int side = 0; side < 2; ++side)
-        if (is_prefetched(&world->parts[side]))
-            part_invalidate(&world->parts[side]);
 }

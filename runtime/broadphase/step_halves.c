@@ -16,26 +16,27 @@ static void complete(step_half *h, bool ok)
     h->done = NULL;
 }
 
-static void run(void *arg)
+static bool run(void *arg, duet_error *err)
 {
     duet_world *world = arg;
-    world->background.ok = world_step(world, &world->half.result, &world->background.err);
-    complete(&world->half, world->left.count_written);
+    bool ok = world_step(world, &world->half.result, err);
+    complete(&world->half, world->left.last.count);
+    return ok;
 }
 
-static void start(duet_world *world)
+static bool start(duet_world *world, cl_event done, duet_error *err)
 {
-    world->half.result = (duet_result){0};
+    if (!background_open(&world->background, err))
+        return false;
+    world->half = (step_half){.done = done};
     background_start(&world->background, run, world);
+    return true;
 }
 
 bool duet_world_step_begin(duet_world *world, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!world_is_idle(world, __func__, err) || !background_open(&world->background, err))
-        return false;
-    start(world);
-    return true;
+    return world_is_idle(world, __func__, err) && start(world, NULL, err);
 }
 
 bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *err)
@@ -56,9 +57,8 @@ bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *
         return error_set_cl(err, code, "%s: making an event", __func__);
     device_object_made();
     clRetainEvent(event);
-    world->half.done = *done = event;
-    start(world);
-    return true;
+    *done = event;
+    return start(world, event, err);
 }
 
 bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err)

@@ -63,8 +63,9 @@ bool view_has(const device_view *v, uint64_t generation, const selection *wanted
     if (v->generation != generation || generation == 0)
         return false;
     bool lists = v->there.kind == SELECT_LIST, list = wanted->kind == SELECT_LIST;
-    return lists && list ? memcmp(&v->there.slab, &wanted->slab, sizeof wanted->slab) == 0
-                         : !lists && !list && next_missing(&v->there, wanted, 0).to == 0;
+    return lists && list
+               ? v->there.key_from == wanted->key_from && v->there.key_to == wanted->key_to
+               : !lists && !list && next_missing(&v->there, wanted, 0).to == 0;
 }
 
 bool view_is_prefetched(const device_view *v, uint64_t generation)

@@ -23,6 +23,7 @@
 #ifndef RUNTIME_VIEW_H
 #define RUNTIME_VIEW_H
 
+#include "runtime/broadphase/grid_objects.h"
 #include "runtime/opencl/timeline.h"
 
 // Rows [from, to).
@@ -40,22 +41,11 @@ typedef struct selection {
     uint32_t n_ranges;
     row_span ranges[SELECTION_RANGES]; // ALL: one; RANGES: ascending, none touches the next
     uint32_t own;                      // RANGES: the one with the rows that no other device owns
-    struct {
-        uint64_t grid_generation;
-        uint32_t key_from, key_to; // LIST: the rows whose objects have these keys of the grid
-    } slab;
+    uint32_t key_from, key_to;         // LIST: the rows whose objects have these keys of the grid
 } selection;
 
 selection select_all(uint32_t n);
 uint32_t selection_count(const selection *s); // rows of ALL or RANGES
-
-// An array in host memory.
-typedef struct host_array {
-    const void *rows;
-    size_t row_bytes;
-    uint32_t n;
-    uint64_t generation;
-} host_array;
 
 enum { VIEW_CHUNKS = 8 };
 

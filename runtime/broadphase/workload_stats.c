@@ -46,64 +46,43 @@ static inline float size_of_pose(const duet_pose *p, const duet_world_def *def)
     return def->rotated ? x * x + y * y + z * z : larger(larger(x, y), z);
 }
 
-// Each sees the objects [first, end).
-typedef workload_stats see_range(workload_stats c, const duet_world *world, uint64_t first,
-                                 uint64_t end);
-
-static workload_stats see_poses(workload_stats c, const duet_world *world, uint64_t first,
-                                uint64_t end)
+static void see_bounds(workload_stats *c, const duet_bounds *b, uint32_t dims)
 {
-    const duet_pose *poses = world_objects(world).array;
-    for (const duet_pose *p = poses + first; p < poses + end; ++p)
-        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size_of_pose(p, &world->def));
-    return c;
+    float sides[3] = {0}, centre[3] = {0};
+    for (uint32_t k = 0; k < dims; ++k) {
+        sides[k] = b->upper[k] - b->lower[k];
+        centre[k] = b->lower[k] + sides[k] / 2;
+    }
+    see_object(c, centre[0], centre[1], centre[2], larger(larger(sides[0], sides[1]), sides[2]));
 }
 
 // A radius counts on top of a core's half diagonal, or longest half side.
-static workload_stats see_apart(workload_stats c, const duet_world *world, uint64_t first,
+static void see_box(workload_stats *c, const duet_world *world, uint32_t id)
+{
+    const grid_objects *objects = &world->objects;
+    const bool rotated = world->def.rotated;
+    duet_pose scratch;
+    double corner[3] = {0};
+    const duet_pose *p = grid_pose_of(objects, id, &scratch);
+    float size = size_of_pose(p, &world->def);
+    if (grid_has_radii(objects)) {
+        size = (rotated ? sqrtf(size) : size) + grid_radius_of(objects, id);
+        size = rotated ? size * size : size;
+    }
+    if (objects->origin > 0)
+        origin_corner(corner, objects->all.rows, objects->origin, id);
+    see_object(c, (float)(corner[0] + p->centre[0]), (float)(corner[1] + p->centre[1]),
+               (float)(corner[2] + p->centre[2]), size);
+}
+
+static workload_stats see_range(workload_stats c, const duet_world *world, uint64_t first,
                                 uint64_t end)
 {
-    grid_objects objects = world_objects(world);
-    for (uint32_t id = (uint32_t)first; id < end; ++id) {
-        duet_pose scratch;
-        const duet_pose *p = grid_pose_of(&objects, id, &scratch);
-        float size = size_of_pose(p, &world->def);
-        if (grid_has_radii(&objects)) {
-            size = (world->def.rotated ? sqrtf(size) : size) + grid_radius_of(&objects, id);
-            size = world->def.rotated ? size * size : size;
-        }
-        see_object(&c, p->centre[0], p->centre[1], p->centre[2], size);
-    }
-    return c;
-}
-
-static workload_stats see_large_poses(workload_stats c, const duet_world *world, uint64_t first,
-                                      uint64_t end)
-{
-    const duet_large_pose *placed = world_objects(world).array;
-    for (uint32_t id = (uint32_t)first; id < end; ++id) {
-        const duet_pose *p = &placed[id].pose;
-        double corner[3];
-        origin_corner(corner, placed, world->def.origin_edge, id);
-        see_object(&c, (float)(corner[0] + p->centre[0]), (float)(corner[1] + p->centre[1]),
-                   (float)(corner[2] + p->centre[2]), size_of_pose(p, &world->def));
-    }
-    return c;
-}
-
-static workload_stats see_bounds(workload_stats c, const duet_world *world, uint64_t first,
-                                 uint64_t end)
-{
-    const duet_bounds *bounds = world_objects(world).array;
-    for (const duet_bounds *b = bounds + first; b < bounds + end; ++b) {
-        float sides[3] = {0}, centre[3] = {0};
-        for (uint32_t k = 0; k < world->def.dims; ++k) {
-            sides[k] = b->upper[k] - b->lower[k];
-            centre[k] = b->lower[k] + sides[k] / 2;
-        }
-        see_object(&c, centre[0], centre[1], centre[2],
-                   larger(larger(sides[0], sides[1]), sides[2]));
-    }
+    for (uint32_t id = (uint32_t)first; id < end; ++id)
+        if (world->def.shape == DUET_SHAPE_BOUNDS)
+            see_bounds(&c, (const duet_bounds *)world->objects.all.rows + id, world->def.dims);
+        else
+            see_box(&c, world, id);
     return c;
 }
 
@@ -111,17 +90,14 @@ static workload_stats see_bounds(workload_stats c, const duet_world *world, uint
 static workload_stats see_all(const duet_world *world)
 {
     enum { AT_ONCE = 1 << 18 };
-    const duet_world_def *def = &world->def;
-    workload_stats c = {.lower = {FLT_MAX, FLT_MAX, FLT_MAX},
+    const uint32_t n = world->objects.all.n;
+    workload_stats c = {.n = n,
+                        .lower = {FLT_MAX, FLT_MAX, FLT_MAX},
                         .upper = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
                         .narrowest = FLT_MAX};
-    see_range *see = def->shape == DUET_SHAPE_BOUNDS                         ? see_bounds
-                     : def->shape != DUET_SHAPE_POSES || def->separate_sizes ? see_apart
-                     : def->origin_edge > 0                                  ? see_large_poses
-                                                                             : see_poses;
-    for (uint64_t first = 0; first < world->n; first += AT_ONCE) {
-        budget_tell(first, world->n);
-        c = see(c, world, first, first + AT_ONCE < world->n ? first + AT_ONCE : world->n);
+    for (uint64_t first = 0; first < n; first += AT_ONCE) {
+        budget_tell(first, n);
+        c = see_range(c, world, first, first + AT_ONCE < n ? first + AT_ONCE : n);
     }
     return c;
 }
@@ -205,30 +181,28 @@ static double fullest_hundredth(const uint32_t *counts, uint32_t n)
 // Objects in a cell there, by a sample in coarser cells.
 static double crowding(const duet_world *world, const raster *fine)
 {
-    uint32_t stride = 1 + (world->n - 1) / MOST_SAMPLED;
-    uint32_t n = 1 + (world->n - 1) / stride;
+    uint32_t stride = 1 + (world->objects.all.n - 1) / MOST_SAMPLED;
+    uint32_t n = 1 + (world->objects.all.n - 1) / stride;
     raster r = coarsen(*fine, fmax(1, n / SAMPLED_A_CELL));
     uint32_t counts[MOST_CELLS] = {0};
-    grid_objects objects = world_objects(world);
-    for (uint64_t id = 0; id < world->n; id += stride) {
+    for (uint64_t id = 0; id < world->objects.all.n; id += stride) {
         double centre[3] = {0};
-        grid_centre_of(centre, &objects, (uint32_t)id);
+        grid_centre_of(centre, &world->objects, (uint32_t)id);
         ++counts[cell_of(&r, centre)];
     }
     double coarse = count_cells(&r);
-    return fullest_hundredth(counts, (uint32_t)coarse) * world->n / n /
+    return fullest_hundredth(counts, (uint32_t)coarse) * world->objects.all.n / n /
            (count_cells(fine) / coarse);
 }
 
 // The rows of a sample, in the order of the objects.
 static uint32_t sample_rows(double rows[MOST_ROWS], const duet_world *world, const raster *r)
 {
-    grid_objects objects = world_objects(world);
-    uint32_t stride = 1 + (world->n - 1) / MOST_ROWS;
+    uint32_t stride = 1 + (world->objects.all.n - 1) / MOST_ROWS;
     uint32_t n = 0;
-    for (uint64_t id = 0; id < world->n; id += stride) {
+    for (uint64_t id = 0; id < world->objects.all.n; id += stride) {
         double centre[3] = {0};
-        grid_centre_of(centre, &objects, (uint32_t)id);
+        grid_centre_of(centre, &world->objects, (uint32_t)id);
         rows[n++] = (double)cell_along(r, centre, 2) * r->cells[1] + cell_along(r, centre, 1);
     }
     return n;
@@ -252,21 +226,20 @@ void workload_stats_take(workload_stats *c, const duet_world *world)
     *c = see_all(world);
     raster r = lay_raster(&world->def, c);
     c->crowding = crowding(world, &r);
-    c->generation = world->objects_generation;
 }
 
 workload_summary workload_summarise(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     workload_stats c = world->stats;
-    if (c.generation != world->objects_generation || world->def.separate_sizes)
+    if (c.n == 0 || world->def.separate_sizes)
         workload_stats_take(&c, world);
     raster r = lay_raster(def, &c);
     float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);
     return (workload_summary){
         .cells = {r.cells[0], r.cells[1], r.cells[2]},
         .cell = r.edge[0],
-        .mean_occupancy = world->n / count_cells(&r),
+        .mean_occupancy = world->objects.all.n / count_cells(&r),
         .crowding = c.crowding,
         .size_ratio = widest > narrowest ? widest / narrowest : 1,
         .strays = def->ordered ? count_strays(world, &r) : 0,

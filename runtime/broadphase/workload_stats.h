@@ -8,8 +8,8 @@
 
 // Statistics of all objects. NaN is passed over: no comparison holds.
 typedef struct workload_stats {
-    uint64_t generation; // the counted objects'; 0: none
-    float lower[3];      // the centres' least
+    uint32_t n;     // counted objects; 0: none
+    float lower[3]; // the centres' least
     float upper[3];
     float widest;    // by what decides an extent: squares of half diagonals of boxes that
     float narrowest; // may be turned, else half or, of bounds, whole sides; above 0

@@ -132,11 +132,12 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
     bool slab = plan->mode == DUET_MODE_SLAB;
     bool hashed = a->grid == VARIANT_GRID_HASHED || b->grid == VARIANT_GRID_HASHED;
-    wish->uniform =
+    bool uniform =
         paper || slab || a->grid == VARIANT_GRID_UNIFORM || b->grid == VARIANT_GRID_UNIFORM;
     bool dense = paper || slab || a->grid == VARIANT_GRID_DENSE || b->grid == VARIANT_GRID_DENSE;
     wish->kinds = hashed ? GRID_ONLY_HASHED : dense ? GRID_ONLY_DENSE : GRID_ANY;
-    if (hashed && (dense || wish->uniform))
+    wish->n_levels = uniform ? 1 : 0;
+    if (hashed && (dense || uniform))
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "a hashed grid suits neither the paper's search nor slabs nor another grid "
@@ -223,7 +224,12 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     }
     world->def = own;
-    world->kind = world_objects_kind(&own);
+    world->objects = (grid_objects){.kind = world_objects_kind(&own),
+                                    .shape = own.shape,
+                                    .dims = own.dims,
+                                    .origin = own.origin_edge,
+                                    .all.row_bytes = world_kind_bytes(world_objects_kind(&own)),
+                                    .sizes.row_bytes = sizeof(duet_size)};
     take_plan(world, &plan, &wish, variants);
     world_hold(world);
     device_pair_hold(def->pair);
@@ -253,8 +259,8 @@ void duet_world_destroy(duet_world *world)
     part_close(&world->parts[1]);
     world_drop_resident(world);
     pair_buffers_drop(&world->left);
-    host_block_release(&world->objects);
-    host_block_release(&world->sizes);
+    host_block_release(&world->objects_block);
+    host_block_release(&world->sizes_block);
     compaction_close(&world->lists);
     split_free(&world->split);
     input_ranges_close(&world->ranges);
@@ -273,7 +279,7 @@ bool duet_world_set_plan(duet_world *world, const duet_plan *plan, duet_error *e
     plan = &whole;
     if (!read_plan(&wish, variants, plan, &world->def, err))
         return false;
-    if (wish.uniform != world->wish.uniform || wish.kinds != world->wish.kinds)
+    if (wish.n_levels != world->wish.n_levels || wish.kinds != world->wish.kinds)
         world_forget_grid(world);
     take_plan(world, plan, &wish, variants);
     return true;

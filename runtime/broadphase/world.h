@@ -25,8 +25,8 @@ typedef struct pair_buffers {
     uint64_t capacity;    // the caller's
     buffer own_pairs, own_count;
     const buffer *joined;   // our buffer that has all pairs: own_pairs or a part's
-    bool count_written;     // their number is on the device, 0 after a failure
-    duet_pair_buffers last; // the last step's; its mems may be a part's
+    duet_pair_buffers last; // the last step's; its mems may be a part's. Without a count that is
+                            // not on the device, 0 after a failure; without pairs then
 } pair_buffers;
 
 // The first half of a step leaves these for the second.
@@ -35,53 +35,49 @@ typedef struct step_half {
     duet_result result;
 } step_half;
 
-// The global ids that steps count pairs by.
-typedef struct counting_ids {
-    const global_ids *list; // in a step that counts; else NULL
-    uint64_t generation;    // the last list's
-} counting_ids;
-
+// A step makes these, each from the one before it, unless it is right already:
+//
+//     objects ---> grid ---> split ---> input ranges ---> selections ---> views of the objects
+//                    `---> views of the levels, and of lists of a slab's objects
+//
+//   grid     right if fitted_n > 0 and n is no more than REFIT_FACTOR from it; made again once an
+//            object does not fit (world_fit_grid)
+//   split    right until the grid is another, or a slab had no space for its objects; cut again for
+//            another share or n (split_cut)
+//   ranges   a guess, right until a device requests a block that it has not (input_ranges_begin)
+//   views    right if they have the rows of the array's generation; what is made from the grid is
+//            forgotten with it (view_update)
+//
 // Invariants:
-// 1. The objects lie in one place: `objects` or the resident buffer. `rows` is where the host sees
-//    them, and NULL only if they are resident and not seen. Their generation changes whenever the
-//    content or the place does.
-// 2. The grid suits the objects if fitted_n > 0 and n is no more than REFIT_FACTOR from it. Its
-//    generation is that of the split, of the ranges and of the parts' levels that were made from
-//    it.
-// 3. def.plan has no default left: its mode is asked_mode, or what suits the grid.
-// 4. Only a part's views know what lies on its device.
+// 1. The objects lie in one place: their block or the resident buffer. Their rows are where the
+//    host sees them, and NULL only if they are resident and not seen.
+// 2. def.plan has no default left: its mode is asked_mode, or what suits the grid.
+// 3. Only a part's views know what lies on its device.
 struct duet_world {
     duet_world_def def;
-    duet_object_kind kind; // the objects', by the def
-    uint32_t users;        // the creator, and shares that are kept on line
-    duet_mode asked_mode;  // the plan's
-    variant variants[2];   // the plan's
-    grid_wish wish;        // the plan's
+    uint32_t users;       // the creator, and shares that are kept on line
+    duet_mode asked_mode; // the plan's
+    variant variants[2];  // the plan's
+    grid_wish wish;       // the plan's
 
-    host_block objects; // [n] poses or bounds, or transforms
-    const void *rows;
+    grid_objects objects; // of the kind that the def asks for
+    host_block objects_block, sizes_block;
     resident resident;
-    uint32_t n;
-    uint64_t objects_generation;
-    host_block sizes; // [n_sizes + 1] of transforms
-    uint32_t n_sizes;
-    uint64_t sizes_generation;
     workload_stats stats; // taken of the objects that were set first
 
     grid grid;
-    uint64_t n_grids;    // that were fitted so far: the last one's generation
     uint32_t fitted_n;   // objects that the grid was fitted to; 0: it is to be fitted
-    bool cell_widened;   // beyond the def's cell, which was too small
     split split;         // the grid's, in mode slab
     input_ranges ranges; // the slabs' objects, if they are ordered
     compaction lists;    // the slabs' objects, if they are not ordered
 
-    part parts[2];       // A, B
-    thread_pool *driver; // drives A while the caller's thread drives B
-    counting_ids ids;
-    pair_buffers left;     // the buffers that pairs are left in
-    uint64_t steps;        // since the last whose stages were asked for
-    background background; // runs a step in two halves
+    part parts[2];             // A, B
+    thread_pool *driver;       // drives A while the caller's thread drives B
+    global_ids ids;            // the last ones that a step counted pairs by
+    const global_ids *counted; // the same in a step that counts; else NULL
+    pair_buffers left;         // the buffers that pairs are left in
+    uint64_t steps;            // since the last whose stages were asked for
+    background background;     // runs a step in two halves
     step_half half;
     duet_stage stages[2 * TIMELINE_STAGES]; // the last step's
 };
@@ -127,7 +123,6 @@ void world_forget_grid(duet_world *world);
 // A grid that was fitted to n objects; 0: there is none.
 typedef struct world_fit {
     uint32_t n;
-    bool cell_widened;
     grid grid;
 } world_fit;
 
@@ -135,11 +130,16 @@ typedef struct world_fit {
 // a grid of their own.
 void world_swap_fit(duet_world *world, world_fit *fit);
 
-// Takes *objects, and fits a grid to them if the last one does not suit them, by these
+// Takes the objects, and fits a grid to them if the last one does not suit them, by these
 // threads and the caller's; NULL: by that alone. The host sees the objects if that is asked
 // for, if a grid is fitted or slabs of it are to be cut anew, and if a search needs it.
-bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_pool *threads,
-                    duet_error *err);
+bool world_fit_grid(duet_world *world, bool seen, thread_pool *threads, duet_error *err);
+
+// Gives each part its work.
+bool world_give_tasks(duet_world *world, duet_error *err);
+
+// Whether a device reads ranges of the input.
+bool world_selects_ranges(const duet_world *world);
 
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);
@@ -153,7 +153,8 @@ bool world_is_prepared(const duet_world *world, int side);
 // Whether the devices do work in proportion to their units: parts of one CPU, or two of one kind.
 bool world_pair_is_alike(const duet_device_pair *pair);
 
-grid_objects world_objects(const duet_world *world);
+// The objects are others, or lie elsewhere.
+void world_renew_objects(duet_world *world);
 
 // Waits for what must be over before the objects are read. BAD_ARGUMENT unless each has a size,
 // whichever of the two was set first. The host then sees them, in place or in the world's own

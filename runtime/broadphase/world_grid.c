@@ -35,20 +35,20 @@ static void take_grid(duet_world *world, const grid *fitted, uint32_t n)
     const bool varies = world->grid.varies || other;
     world->grid = *fitted;
     world->grid.varies = varies;
-    world->grid.generation = ++world->n_grids;
     world->fitted_n = n;
+    split_forget(&world->split);
+    for (int side = 0; side < 2; ++side)
+        part_forget_grid(&world->parts[side]);
     world_choose_mode(world);
 }
 
 void world_swap_fit(duet_world *world, world_fit *fit)
 {
-    const world_fit before = {world->fitted_n, world->cell_widened, world->grid};
+    const world_fit before = {world->fitted_n, world->grid};
     world->fitted_n = 0;
     world->grid.varies = true;
-    if (fit->n > 0) {
-        world->cell_widened = fit->cell_widened;
+    if (fit->n > 0)
         take_grid(world, &fit->grid, fit->n);
-    }
     *fit = before;
 }
 
@@ -61,7 +61,7 @@ void world_forget_grid(duet_world *world)
 
 static bool is_fitted(const duet_world *world)
 {
-    const uint64_t n = world->n, fitted = world->fitted_n;
+    const uint64_t n = world->objects.all.n, fitted = world->fitted_n;
     return n == 0 || (fitted > 0 && n <= REFIT_FACTOR * fitted && REFIT_FACTOR * n >= fitted);
 }
 
@@ -69,43 +69,37 @@ static grid_wish wish_of(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     grid_wish wish = world->wish;
-    wish.has_world = def->has_world;
-    wish.edge = def->cell;
-    wish.by_gpus = true;
+    bool gpus = true;
     for (int side = 0; side < 2; ++side)
-        wish.by_gpus &= world->parts[side].device->info.kind == DUET_KIND_GPU;
-    for (int k = 0; k < 3; ++k) {
-        wish.lower[k] = def->lower[k];
-        wish.upper[k] = def->upper[k];
-    }
+        gpus &= world->parts[side].device->info.kind == DUET_KIND_GPU;
+    wish.lower = def->has_world ? def->lower : NULL;
+    wish.upper = def->has_world ? def->upper : NULL;
+    wish.edge = def->cell;
+    wish.crowd = gpus ? GRID_CROWD_OF_GPUS : GRID_CROWD;
     return wish;
 }
 
-bool world_fit_grid(duet_world *world, grid_objects *objects, bool seen, thread_pool *threads,
-                    duet_error *err)
+bool world_fit_grid(duet_world *world, bool seen, thread_pool *threads, duet_error *err)
 {
     const duet_world_def *def = &world->def;
     const bool fitted = is_fitted(world);
-    const bool cuts =
-        def->plan.mode == DUET_MODE_SLAB && split_is_stale(&world->split, &world->grid);
+    const bool cuts = def->plan.mode == DUET_MODE_SLAB && split_is_stale(&world->split);
     const grid_wish wish = wish_of(world);
     if (!world_take_objects(world, seen || !fitted || cuts, err))
         return false;
-    *objects = world_objects(world);
     if (fitted)
         return true;
     grid suited;
     grid_needs needs;
-    grid_needs_of(&needs, objects, threads);
-    bool too_small = def->cell > 0.0f && needs.widest > def->cell;
-    if (too_small && def->cell_fixed)
+    grid_needs_of(&needs, &world->objects, threads);
+    if (def->cell > 0.0f && needs.widest > def->cell && def->cell_fixed)
         return error_set(err, DUET_STATUS_CELL_TOO_SMALL,
                          "the cell edge %g is below the extent %.9g of object %u; expected a "
                          "cell at least that wide",
                          def->cell, needs.widest, needs.widest_id);
-    if (!grid_fit(&suited, &needs, &wish, objects, err))
+    if (!grid_fit(&suited, &needs, &wish, &world->objects, err))
         return false;
-    world->cell_widened = too_small;
-    take_grid(world, &suited, world->n);
+    suited.widest = needs.widest;
+    take_grid(world, &suited, world->objects.all.n);
     return true;
 }

@@ -6,13 +6,13 @@
 
 bool world_is_under_way(const duet_world *world)
 {
-    return world->background.under_way;
+    return world->background.owner;
 }
 
 bool world_is_idle(const duet_world *world, const char *call, duet_error *err)
 {
     return error_given(world, call, "world", err) &&
-           (!world->background.under_way ||
+           (!world_is_under_way(world) ||
             error_set(err, DUET_STATUS_BAD_ARGUMENT,
                       "%s: a step of the world is under way; expected duet_world_step_end first",
                       call));

@@ -54,14 +54,20 @@ static bool has_bound(const duet_world *world, int side)
     return world->parts[side].objects.bound.mem;
 }
 
+void world_renew_objects(duet_world *world)
+{
+    ++world->objects.all.generation;
+    world->stats.n = 0;
+}
+
 void world_bind_resident(duet_world *world, resident r, size_t bytes, const bool on[2], uint32_t n)
 {
     const buffer memory = {.mem = r.mem, .bytes = bytes};
     world_drop_resident(world);
     world->resident = r;
-    world->rows = NULL;
-    world->n = n;
-    ++world->objects_generation;
+    world->objects.all.rows = NULL;
+    world->objects.all.n = n;
+    world_renew_objects(world);
     for (int side = 0; side < 2; ++side)
         view_bind(&world->parts[side].objects, on[side] ? &memory : NULL);
 }
@@ -92,8 +98,8 @@ static part *shown_by(duet_world *world)
 static bool map_resident(duet_world *world, size_t bytes, const device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
-    world->rows = clEnqueueMapBuffer(d->queue, world->resident.mem, CL_TRUE, CL_MAP_READ, 0, bytes,
-                                     0, NULL, NULL, &code);
+    world->objects.all.rows = clEnqueueMapBuffer(d->queue, world->resident.mem, CL_TRUE,
+                                                 CL_MAP_READ, 0, bytes, 0, NULL, NULL, &code);
     return code == CL_SUCCESS ||
            error_set_cl(err, code, "%s: mapping %zu bytes of objects", d->info.selector, bytes);
 }
@@ -102,48 +108,33 @@ static bool map_resident(duet_world *world, size_t bytes, const device *d, duet_
 static bool fetch_resident(duet_world *world, size_t bytes, part *from, duet_error *err)
 {
     timeline_begin(&from->times, from->device, true);
-    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2, bytes, err) ||
-        !timeline_read(&from->times, "fetch objects", &from->objects.bound, world->objects.bytes,
-                       bytes, err))
+    if (!host_block_reserve(&world->objects_block, world->def.pair->devices, 2, bytes, err) ||
+        !timeline_read(&from->times, "fetch objects", &from->objects.bound,
+                       world->objects_block.bytes, bytes, err))
         return false;
-    world->rows = world->objects.bytes;
+    world->objects.all.rows = world->objects_block.bytes;
     return true;
 }
 
 void world_unmap_objects(duet_world *world)
 {
-    bool mapped = world->resident.mem && world->rows && world->rows != world->objects.bytes;
+    bool mapped = world->resident.mem && world->objects.all.rows &&
+                  world->objects.all.rows != world->objects_block.bytes;
     if (!mapped)
         return;
     const device *d = shown_by(world)->device;
-    clEnqueueUnmapMemObject(d->queue, world->resident.mem, (void *)world->rows, 0, NULL, NULL);
+    clEnqueueUnmapMemObject(d->queue, world->resident.mem, (void *)world->objects.all.rows, 0, NULL,
+                            NULL);
     clFinish(d->queue);
-    world->rows = NULL;
+    world->objects.all.rows = NULL;
 }
 
 // ---------------------------------------------------------------- what the host sees
 
-grid_objects world_objects(const duet_world *world)
-{
-    const duet_world_def *def = &world->def;
-    return (grid_objects){
-        .array = world->rows,
-        .generation = world->objects_generation,
-        .row_bytes = kinds[world->kind].bytes,
-        .shape = def->shape,
-        .origin = def->origin_edge,
-        .n = world->n,
-        .dims = def->dims,
-        .sizes = def->separate_sizes ? world->sizes.bytes : NULL,
-        .sizes_generation = world->sizes_generation,
-        .compact = def->compact_transforms,
-    };
-}
-
 static bool see(duet_world *world, duet_error *err)
 {
-    size_t bytes = world->n * kinds[world->kind].bytes;
-    if (world->rows || bytes == 0)
+    size_t bytes = world->objects.all.n * world->objects.all.row_bytes;
+    if (world->objects.all.rows || bytes == 0)
         return true;
     part *p = shown_by(world);
     return p->device->info.host_memory ? map_resident(world, bytes, p->device, err)
@@ -167,10 +158,10 @@ static bool search_sees(const duet_world *world)
 
 static bool has_sizes(const duet_world *world, duet_error *err)
 {
-    return !world->def.separate_sizes || world->n_sizes == world->n ||
+    return !world->def.separate_sizes || world->objects.sizes.n == world->objects.all.n ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "%u objects have a transform and %u a size; expected as many of each",
-                     world->n, world->n_sizes);
+                     world->objects.all.n, world->objects.sizes.n);
 }
 
 bool world_take_objects(duet_world *world, bool seen, duet_error *err)

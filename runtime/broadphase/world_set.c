@@ -16,9 +16,9 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
                          (int)kind);
     bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
-    if (kind != world->kind && !size)
+    if (kind != world->objects.kind && !size)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                         world_kind_name(world->kind), world_kind_name(kind));
+                         world_kind_name(world->objects.kind), world_kind_name(kind));
     return n <= DUET_MOST_OBJECTS ||
            error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
                      DUET_MOST_OBJECTS);
@@ -27,14 +27,15 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
 // The row behind the last belongs to none: a device may read four numbers at once.
 static void *map_sizes(duet_world *world, uint32_t n, duet_error *err)
 {
-    world->n_sizes = 0; // in case there is no memory: the old block is gone
-    if (!host_block_reserve(&world->sizes, world->def.pair->devices, 2,
+    world->objects.sizes.n = 0; // in case there is no memory: the old block is gone
+    if (!host_block_reserve(&world->sizes_block, world->def.pair->devices, 2,
                             ((size_t)n + 1) * sizeof(duet_size), err))
         return NULL;
-    duet_size *sizes = world->sizes.bytes;
+    duet_size *sizes = world->sizes_block.bytes;
     sizes[n] = (duet_size){0};
-    world->n_sizes = n;
-    ++world->sizes_generation;
+    world->objects.sizes.rows = sizes;
+    world->objects.sizes.n = n;
+    ++world->objects.sizes.generation;
     return sizes;
 }
 
@@ -46,24 +47,22 @@ void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t 
     if (kind == DUET_OBJECT_SIZES)
         return map_sizes(world, n, err);
     world_drop_resident(world);
-    world->rows = NULL;
-    world->n = 0; // in case there is no memory: the old block is gone
-    if (!host_block_reserve(&world->objects, world->def.pair->devices, 2,
+    world->objects.all.rows = NULL;
+    world->objects.all.n = 0; // in case there is no memory: the old block is gone
+    if (!host_block_reserve(&world->objects_block, world->def.pair->devices, 2,
                             n * world_kind_bytes(kind), err))
         return NULL;
-    world->rows = world->objects.bytes;
-    world->n = n;
-    ++world->objects_generation;
-    return world->objects.bytes;
+    world_renew_objects(world);
+    return world_extend_objects(world, kind, n);
 }
 
 void *world_extend_objects(duet_world *world, duet_object_kind kind, uint32_t n)
 {
-    if (n * world_kind_bytes(kind) > world->objects.size)
+    if (n * world_kind_bytes(kind) > world->objects_block.size)
         return NULL;
-    world->rows = world->objects.bytes;
-    world->n = n;
-    return world->objects.bytes;
+    world->objects.all.rows = world->objects_block.bytes;
+    world->objects.all.n = n;
+    return world->objects_block.bytes;
 }
 
 static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
@@ -76,7 +75,7 @@ static bool take_sizes(duet_world *world, const duet_pose *poses, uint32_t n, du
 
 bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n, duet_error *err)
 {
-    void *to = duet_world_map_objects(world, world->kind, n, err);
+    void *to = duet_world_map_objects(world, world->objects.kind, n, err);
     for (uint32_t i = 0; to && i < n; ++i) {
         duet_transform t = grid_transform_of(&poses[i]);
         if (world->def.dims == 2)
@@ -106,7 +105,8 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
     memcpy(to, objects, n * world_kind_bytes(kind));
     for (uint32_t i = 0; kind == DUET_OBJECT_LARGE_POSES && i < n; ++i)
         origin_settle(&((duet_large_pose *)to)[i], world->def.origin_edge);
-    if (kind != DUET_OBJECT_SIZES && world->objects_generation == 1 && !world->def.separate_sizes)
+    if (kind != DUET_OBJECT_SIZES && world->objects.all.generation == 1 &&
+        !world->def.separate_sizes)
         workload_stats_take(&world->stats, world);
     return true;
 }
@@ -132,7 +132,7 @@ static bool fetch_sizes(duet_world *world, resident *r, const device *from, uint
     if (code != CL_SUCCESS)
         ok = error_set_cl(err, code, "%s: fetching %u sizes", from->info.selector, n);
     if (!ok)
-        world->n_sizes = 0; // their content is unknown
+        world->objects.sizes.n = 0; // their content is unknown
     return ok;
 }
 

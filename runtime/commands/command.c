@@ -136,8 +136,8 @@ static uint32_t missing_with(const duet_motion *m, effect_facts *all, const comm
                              uint32_t first, uint32_t n)
 {
     effect_facts_add(all, &m->def, c->poses + first, c->bodies + first, n);
-    all->reach = m->facts.reach;
-    return effect_infer(&m->def, all) & ~m->effects;
+    *all = effect_facts_as_fast(*all, m->facts);
+    return effect_infer(&m->def, *all) & ~m->effects;
 }
 
 // A body may call for an effect only together with the bodies before it.
@@ -160,7 +160,7 @@ bool command_admit(duet_motion *m, const command *c, duet_error *err)
     if (missing_with(m, &all, c, 0, c->list.n))
         return name_who_lacks(m, c, err);
     m->facts = all;
-    bool tumbles = (m->effects & DUET_EFFECT_ANGULAR_VELOCITY) && all.uneven && !before.uneven;
+    bool tumbles = (m->effects & DUET_EFFECT_ANGULAR_VELOCITY) && (all & ~before & FACT_UNEVEN);
     if (!tumbles || motion_prepare_again(m, err))
         return true;
     m->facts = before;

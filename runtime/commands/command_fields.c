@@ -209,6 +209,6 @@ bool command_set_def(duet_motion *m, command *c, duet_error *err)
         def.substeps = m->def.substeps;
     def.heights = m->def.heights;
     return motion_check_def(&def, err) && check_same(&def, &m->def, c->op->call, err) &&
-           motion_needs(m, effect_infer(&def, &m->facts), c->op->call, err) &&
+           motion_needs(m, effect_infer(&def, m->facts), c->op->call, err) &&
            motion_keep_whole(m, change_world(m, &def, err));
 }

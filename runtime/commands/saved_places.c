@@ -153,14 +153,14 @@ static bool take_target(const duet_motion *copy, const motion_target *t, const c
 static bool take_facts(duet_motion *copy, const char *path, duet_error *err)
 {
     const effect_facts before = copy->facts;
-    copy->facts = (effect_facts){0};
+    copy->facts = 0;
     effect_facts_add(&copy->facts, &copy->def, copy->poses, copy->bodies, copy->n);
-    copy->facts.reach = before.reach;
-    if (effect_infer(&copy->def, &copy->facts) & ~copy->effects)
+    copy->facts = effect_facts_as_fast(copy->facts, before);
+    if (effect_infer(&copy->def, copy->facts) & ~copy->effects)
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion's bodies need effects that the motion lacks", path);
-    bool tumbles = copy->facts.uneven && !before.uneven;
-    copy->facts.uneven |= before.uneven;
+    bool tumbles = copy->facts & ~before & FACT_UNEVEN;
+    copy->facts |= before & FACT_UNEVEN;
     return !tumbles || !(copy->effects & DUET_EFFECT_ANGULAR_VELOCITY) ||
            motion_prepare_again(copy, err);
 }

@@ -57,7 +57,7 @@ static bool copy_to_host(duet_tree *tree, duet_motion *motion, bool radii, duet_
 
 static bool take_filters(duet_tree *tree, const duet_motion *motion, duet_error *err)
 {
-    if (!motion->facts.filtered && !(motion->effects & DUET_EFFECT_FILTER))
+    if (!(motion->facts & FACT_FILTERED) && !(motion->effects & DUET_EFFECT_FILTER))
         return true;
     duet_filter *filters = tree_reserve_filters(tree, err);
     for (uint32_t i = 0; filters && i < tree->n; ++i)

@@ -20,6 +20,15 @@ typedef struct domain_contacts {
 
 void domain_contacts_free(domain_contacts *c);
 
+// Makes a motion without bodies, as a part of one of a def whose substeps are chosen, and of bodies
+// with these facts and this mean least extent.
+duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts, double extent,
+                           duet_error *err);
+
+// Replaces all bodies by such that no step has moved.
+bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                         uint32_t n, duet_error *err);
+
 // Bytes of a body's state: what a step changes of it.
 size_t domain_state_bytes(const duet_motion *m);
 

@@ -212,6 +212,15 @@ static bool take_bodies(duet_motion *m, const duet_pose *poses, const duet_body 
     return true;
 }
 
+bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
+                         uint32_t n, duet_error *err)
+{
+    m->products = products_of_saved(false);
+    m->graph.n_contacts = 0;
+    return take_bodies(m, poses, bodies, n, err) && motion_grow(m, 0, err) &&
+           motion_send_places(m, NULL, n, PART_ALL, err) && timeline_finish(&m->times, err);
+}
+
 bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/substeps.h"
 
@@ -127,18 +128,24 @@ static bool open_device(duet_motion *m, duet_error *err)
     return m->programs;
 }
 
-static bool open_motion(duet_motion *m, const duet_pose *poses, const duet_large_pose *large_poses,
-                        const duet_body *bodies, uint32_t n, duet_error *err)
+static void know_objects(duet_motion *m)
 {
-    if (!copy_objects(m, poses, large_poses, bodies, n, err))
-        return false;
-    effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, n);
-    m->effects = effect_infer(&m->def, &m->facts);
-    m->products = products_of_saved(false);
+    effect_facts_add(&m->facts, &m->def, m->poses, m->bodies, m->n);
     m->extent = mean_least_extent(m);
+}
+
+// What follows from the facts, whatever objects there are.
+static void infer(duet_motion *m)
+{
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
+    m->effects = effect_infer(&m->def, m->facts);
+    m->products = products_of_saved(false);
     m->margin = MOTION_SLOPS * slop;
-    bool ok = check_effects(m, err) && motion_choose_substeps(m, err) && open_device(m, err) &&
+}
+
+bool motion_open(duet_motion *m, duet_error *err)
+{
+    bool ok = open_device(m, err) &&
               motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
               open_world(m, err) &&
               (!(m->effects & DUET_EFFECT_HEIGHTS) || ground_send(&m->ground, m->device, err)) &&
@@ -156,25 +163,57 @@ static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
     return n == 0 || error_given(poses, "duet_motion_create", "poses", err);
 }
 
+static duet_motion *hold(const duet_motion_def *def, duet_error *err)
+{
+    duet_motion *m = calloc(1, sizeof *m);
+    if (!m)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
+    m->def = *def;
+    device_pair_hold(def->pair);
+    return m;
+}
+
+static duet_motion *keep_if(duet_motion *m, bool ok)
+{
+    if (ok)
+        return m;
+    duet_motion_destroy(m);
+    return NULL;
+}
+
+duet_motion *motion_know(const duet_motion_def *def, const duet_pose *poses,
+                         const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
+                         duet_error *err)
+{
+    if (!motion_check_def(def, err) || !check_count(poses, n, err))
+        return NULL;
+    duet_motion *m = hold(def, err);
+    if (!m || !ground_copy(&m->ground, &m->def, err) ||
+        !copy_objects(m, poses, large_poses, bodies, n, err))
+        return keep_if(m, false);
+    know_objects(m);
+    infer(m);
+    return keep_if(m, check_effects(m, err) && motion_choose_substeps(m, err));
+}
+
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err)
 {
-    if (!motion_check_def(def, err) || !check_count(poses, n, err))
-        return NULL;
-    duet_motion *m = calloc(1, sizeof *m);
-    if (!m) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
-        return NULL;
-    }
-    m->def = *def;
-    device_pair_hold(def->pair);
-    if (!ground_copy(&m->ground, &m->def, err) ||
-        !open_motion(m, poses, large_poses, bodies, n, err)) {
-        duet_motion_destroy(m);
-        return NULL;
-    }
-    return m;
+    duet_motion *m = motion_know(def, poses, large_poses, bodies, n, err);
+    return m ? keep_if(m, motion_open(m, err)) : NULL;
+}
+
+duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts, double extent,
+                           duet_error *err)
+{
+    duet_motion *m = hold(def, err);
+    if (!m || !ground_copy(&m->ground, &m->def, err) || !copy_objects(m, NULL, NULL, NULL, 0, err))
+        return keep_if(m, false);
+    m->facts = *facts;
+    m->extent = extent;
+    infer(m);
+    return keep_if(m, motion_open(m, err));
 }
 
 duet_motion *duet_motion_create(const duet_motion_def *def, const duet_pose *poses,

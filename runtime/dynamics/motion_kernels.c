@@ -135,7 +135,7 @@ static int64_t turning_kind(const duet_motion *m)
 // have.
 uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS])
 {
-    int64_t gyro = has(m, DUET_EFFECT_ANGULAR_VELOCITY) && m->facts.uneven;
+    int64_t gyro = has(m, DUET_EFFECT_ANGULAR_VELOCITY) && (m->facts & FACT_UNEVEN);
     const gen_offer of_scene[] = {
         OFFER("DIMS", m->def.dims),
         OFFER("DOUBLE", m->def.doubles),

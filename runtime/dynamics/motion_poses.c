@@ -90,7 +90,7 @@ bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error 
 
 bool motion_has_radii(const duet_motion *m)
 {
-    return m->facts.round;
+    return m->facts & FACT_ROUND;
 }
 
 uint32_t motion_count_hidden(const duet_motion *m)

@@ -130,7 +130,7 @@ static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *e
     const device *d = m->device;
     const buffer *const seen[] = {rows->of};
     cl_int code = CL_SUCCESS;
-    if (d->driver.in_place) {
+    if (d->quirks & DRIVER_IN_PLACE) {
         rows->bytes = (char *)rows->of->host + at;
         return timeline_see(&m->times, "send", seen, 1, err);
     }

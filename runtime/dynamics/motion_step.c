@@ -291,10 +291,10 @@ bool duet_motion_advance(duet_motion *m, duet_motion_result *result, duet_error 
 
 // ---------------------------------------------------------------- in two halves
 
-static void carry(void *arg)
+static bool carry(void *arg, duet_error *err)
 {
     duet_motion *m = arg;
-    m->halves.thread.ok = carry_step(m, &m->halves.ms, &m->halves.thread.err);
+    return carry_step(m, &m->halves.ms, err);
 }
 
 bool duet_motion_advance_begin(duet_motion *m, duet_error *err)

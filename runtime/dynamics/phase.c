@@ -12,7 +12,7 @@ static void assert_phase(const duet_motion *m)
     assert(m->phase <= MOTION_BROKEN);
     assert(m->phase == MOTION_MAPPED || m->phase == MOTION_BROKEN || m->mapped == 0);
     assert(m->phase != MOTION_MAPPED || m->mapped != 0);
-    assert(m->phase == MOTION_STEPPING || !m->halves.thread.under_way);
+    assert(m->phase == MOTION_STEPPING || !m->halves.thread.owner);
     assert(m->graph.n_contacts == 0 || m->phase == MOTION_BROKEN ||
            product_was_made(&m->products, PRODUCT_ROWS));
     assert(m->altered.n == 0 || product_is_forgotten(&m->products, PRODUCT_PAIRS));

@@ -300,7 +300,7 @@ static bool solve_shocks(duet_motion *m, duet_error *err)
 {
     contact_solver *s = &m->solver;
     bool ok = true;
-    if (!(m->effects & DUET_EFFECT_SHOCKS) || !m->facts.elastic)
+    if (!(m->effects & DUET_EFFECT_SHOCKS) || !(m->facts & FACT_ELASTIC))
         return true;
     s->first_sweep = s->sweep;
     for (int i = 0; ok && i < SHOCK_SWEEPS; ++i, ++s->sweep)
@@ -373,7 +373,7 @@ static bool run_substeps(duet_motion *m, duet_error *err)
 // Shocks have given back all speed.
 static bool restore_speeds(duet_motion *m, duet_error *err)
 {
-    return !m->facts.elastic || (m->effects & DUET_EFFECT_SHOCKS) ||
+    return !(m->facts & FACT_ELASTIC) || (m->effects & DUET_EFFECT_SHOCKS) ||
            for_colours(m, m->kernels.apply_restitution, err);
 }
 

@@ -5,7 +5,8 @@
 
 // A column of N bodies stands if its springs hold it alone, or if it keeps the levers that it has
 // upright and sways too slowly to fall: then it may be as tall as stands with springs a tenth as
-// stiff, and must not sink so far that manifolds are made again.
+// stiff, and must not sink so far that manifolds are made again. One that leans has no such levers;
+// it falls anyway if twice the most substeps would not hold it.
 static const double plain_limit = 0.98, kept_limit = 10.0, margin_part = 1.0 / 3.0;
 
 // Substeps of a spring's swing (set_solver in motion_step.c).
@@ -19,13 +20,21 @@ static double gravity_of(const duet_motion_def *def)
                 (def->dims == 3 ? def->gravity[2] * def->gravity[2] : 0.0));
 }
 
+static double substeps_of(const duet_motion *m, double stiffness)
+{
+    const double pi = 3.14159265358979323846;
+    return ceil(m->def.dt * sqrt(stiffness) * substeps_a_swing / (2.0 * pi));
+}
+
 // The least square of a spring's angular frequency that holds the column.
 static double stiffness_for(const duet_motion *m, const column *c)
 {
     double n = c->layers, g = gravity_of(&m->def);
+    double plain = n * n * n * g / (plain_limit * c->edge);
+    if (c->kind == COLUMN_LEANING)
+        return substeps_of(m, plain) <= 2 * MOST ? plain : 0.0;
     if (c->layers < 2)
         return 0.0;
-    double plain = n * n * n * g / (plain_limit * c->edge);
     double sway = n * n * n * g / (kept_limit * c->edge);
     double sink = n * g / (margin_part * m->margin);
     return fmin(plain, fmax(sway, sink));
@@ -33,9 +42,7 @@ static double stiffness_for(const duet_motion *m, const column *c)
 
 static uint32_t substeps_for(const duet_motion *m, const column *c)
 {
-    const double pi = 3.14159265358979323846;
-    double n = ceil(m->def.dt * sqrt(stiffness_for(m, c)) * substeps_a_swing / (2.0 * pi));
-    return (uint32_t)fmax(LEAST, fmin(MOST, n));
+    return (uint32_t)fmax(LEAST, fmin(MOST, substeps_of(m, stiffness_for(m, c))));
 }
 
 bool motion_choose_substeps(duet_motion *m, duet_error *err)

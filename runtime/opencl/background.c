@@ -16,16 +16,25 @@ void background_close(background *b)
     *b = (background){0};
 }
 
-void background_start(background *b, void (*step)(void *), void *owner)
+static void run(void *arg, uint64_t first, uint64_t last)
+{
+    background *b = arg;
+    (void)first;
+    (void)last;
+    b->ok = b->step(b->owner, &b->err);
+}
+
+void background_start(background *b, bool (*step)(void *owner, duet_error *err), void *owner)
 {
     b->err = (duet_error){0};
-    b->under_way = true;
-    thread_pool_start(b->thread, step, owner);
+    b->step = step;
+    b->owner = owner;
+    thread_pool_start(b->thread, run, b, 1);
 }
 
 bool background_end(background *b, duet_error *err)
 {
     thread_pool_wait(b->thread);
-    b->under_way = false;
+    b->owner = NULL;
     return b->ok || error_copy(err, &b->err);
 }

@@ -8,8 +8,9 @@
 // All zero before the first step.
 typedef struct background {
     thread_pool *thread;
-    bool under_way; // the caller's alone to read
-    bool ok;        // result of the step, from its thread
+    bool (*step)(void *owner, duet_error *err);
+    void *owner; // of the step that is under way, which the caller alone reads; NULL: none is
+    bool ok;     // the step's result, from its thread
     duet_error err;
 } background;
 
@@ -17,8 +18,7 @@ typedef struct background {
 bool background_open(background *b, duet_error *err);
 void background_close(background *b);
 
-// Starts step(owner), which fills ok and err.
-void background_start(background *b, void (*step)(void *), void *owner);
+void background_start(background *b, bool (*step)(void *owner, duet_error *err), void *owner);
 
 // Waits for it; whether it went well.
 bool background_end(background *b, duet_error *err);

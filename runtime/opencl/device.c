@@ -119,6 +119,14 @@ static bool cut(const device_root *root, uint32_t first, uint32_t last, cl_devic
     return true;
 }
 
+// Holding a root device does nothing.
+static void hold_id(device *d, cl_device_id id)
+{
+    clRetainDevice(id);
+    d->id = id;
+    device_object_made();
+}
+
 static bool choose_id(device *d, const char *selector, duet_error *err)
 {
     const char *part = strchr(selector, '[');
@@ -126,15 +134,15 @@ static bool choose_id(device *d, const char *selector, duet_error *err)
     const device_root *root = find_root(selector, length, err);
     if (!root)
         return false;
-    d->id = root->id;
     d->info = root->info;
-    if (!part)
+    if (!part) {
+        hold_id(d, root->id);
         return true;
+    }
     uint32_t first = 0;
     uint32_t last = 0;
     if (!check_part(root, selector, &first, &last, err) || !cut(root, first, last, &d->id, err))
         return false;
-    d->owns_part = true;
     device_info_read(d->id, &d->info);
     d->info.can_cut = false; // parts are named by the units of the whole
     snprintf(d->info.selector, sizeof d->info.selector, "%.40s[%u-%u]", root->info.selector, first,
@@ -174,7 +182,7 @@ static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
-        d->driver = driver_of(&d->info);
+        d->quirks = driver_quirks(&d->info);
         return true;
     }
     device_close(d);
@@ -229,9 +237,10 @@ static void know_id(device *d)
 static bool hold_context(device *d, cl_command_queue queue, duet_error *err)
 {
     cl_context context = NULL;
+    cl_device_id id = NULL;
     cl_int code = clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof context, &context, NULL);
     if (code == CL_SUCCESS)
-        code = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof d->id, &d->id, NULL);
+        code = clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof id, &id, NULL);
     if (code == CL_SUCCESS)
         code = clRetainCommandQueue(queue);
     if (code != CL_SUCCESS)
@@ -239,9 +248,7 @@ static bool hold_context(device *d, cl_command_queue queue, duet_error *err)
     d->callers = queue;
     device_object_made();
     share_context(d, context);
-    clRetainDevice(d->id);
-    d->owns_part = true;
-    device_object_made();
+    hold_id(d, id);
     know_id(d);
     return true;
 }
@@ -252,10 +259,10 @@ bool device_open_on_queue(device *d, cl_command_queue queue, duet_error *err)
     return make_ready(d, hold_context(d, queue, err), err);
 }
 
-// A driver's thread lets go of a command, and with it of the queue, a moment
-// after the command is over. PoCL 3.1 reads the device then, which must not be
-// gone by that time. Bounded, for a driver may count otherwise.
-static void wait_until_alone(cl_command_queue queue)
+// A driver's thread lets go of a command, and with it of the queue, a moment after the command is
+// over, and PoCL reads the device then. Returns whether that is done. Bounded, for a caller's
+// buffer holds the last command that used it.
+static bool wait_until_alone(cl_command_queue queue)
 {
     const struct timespec moment = {.tv_nsec = 50000};
     cl_uint users = 1;
@@ -264,9 +271,10 @@ static void wait_until_alone(cl_command_queue queue)
         if (clGetCommandQueueInfo(queue, CL_QUEUE_REFERENCE_COUNT, sizeof users, &users, NULL) !=
                 CL_SUCCESS ||
             users <= 1)
-            return;
+            return true;
         nanosleep(&moment, NULL);
     }
+    return false;
 }
 
 static void release_queue(cl_command_queue queue)
@@ -281,9 +289,10 @@ void device_close(device *d)
 {
     program_pool_close(d->built);
     const cl_command_queue queues[] = {d->queue, d->beside};
+    bool is_alone = true;
     for (int i = 0; i < 2; ++i) {
         if (queues[i] && d->info.host_memory)
-            wait_until_alone(queues[i]);
+            is_alone &= wait_until_alone(queues[i]);
         release_queue(queues[i]);
     }
     release_queue(d->callers);
@@ -291,8 +300,9 @@ void device_close(device *d)
         clReleaseContext(d->context);
         device_object_gone();
     }
-    if (d->owns_part) {
-        clReleaseDevice(d->id);
+    if (d->id) {
+        if (is_alone) // a part that may still be read lasts as long as the process
+            clReleaseDevice(d->id);
         device_object_gone();
     }
     *d = (device){0};

@@ -17,14 +17,13 @@
 typedef struct program_pool program_pool; // runtime/opencl/program_build.h
 
 typedef struct device {
-    cl_device_id id;
+    cl_device_id id; // held
     cl_context context;
     cl_command_queue queue;   // in order, with profiling
     cl_command_queue beside;  // the same, for what is sent while kernels run
     cl_command_queue callers; // queue whose context and device these are; NULL: our own
     duet_device_info info;
-    driver driver;
-    bool owns_part; // id is a part that we cut off, or the caller's that we hold
+    uint32_t quirks; // the driver's
     program_pool *built;
 } device;
 

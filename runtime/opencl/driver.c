@@ -12,12 +12,14 @@
 #include <unistd.h>
 
 // A macro's name within its own expansion is OpenCL's own function.
-static const char third_axis[] =
+const char driver_third_axis[] =
     "#define get_group_id(axis) get_group_id(2)\n"
     "#define get_num_groups(axis) get_num_groups(2)\n"
     "#define get_global_id(axis) (get_group_id(2) * get_local_size(0) + get_local_id(0))\n"
     "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
     "#line 1\n";
+
+const char driver_header_option[] = "-D _OPENCL_H_"; // the guard of Clang's opencl-c.h
 
 // Not one that PoCL reaches through another driver or on another machine. PoCL's version ends with
 // what it builds a device's kernels with: "OpenCL 3.0 PoCL HSTR: pthread-x86_64-...".
@@ -33,40 +35,37 @@ static bool is_pocls_own_cpu(const duet_device_info *info)
     return false;
 }
 
-driver driver_of(const duet_device_info *info)
+uint32_t driver_quirks(const duet_device_info *info)
 {
-    bool pocl = strncmp(info->platform, "Portable Computing Language", 27) == 0;
-    bool oclgrind = strcmp(info->platform, "Oclgrind") == 0;
-    return (driver){
-        .third_axis = pocl && info->kind == DUET_KIND_CPU ? third_axis : NULL,
-        .header_option = pocl ? "-D _OPENCL_H_" : NULL, // the guard of Clang's opencl-c.h
-        .keeps_kernels = pocl,
-        .in_place = pocl && is_pocls_own_cpu(info),
-        .compiles_one_by_one = pocl || oclgrind,
-        .breaks = oclgrind,
-    };
+    if (strcmp(info->platform, "Oclgrind") == 0)
+        return DRIVER_CRASHES;
+    if (strncmp(info->platform, "Portable Computing Language", 27) != 0)
+        return 0;
+    return DRIVER_READS_HEADER | DRIVER_KEEPS_KERNELS | DRIVER_ONE_COMPILER |
+           (info->kind == DUET_KIND_CPU ? DRIVER_TWO_WIDTHS : 0) |
+           (is_pocls_own_cpu(info) ? DRIVER_IN_PLACE : 0);
 }
 
 const char *duet_device_info_get_quirk(const duet_device_info *info, uint32_t i)
 {
-    const driver d = info ? driver_of(info) : (driver){0};
-    const struct {
-        bool has;
-        const char *quirk;
-    } known[] = {
-        {d.third_axis, "compiles a kernel again for large launches and, before 6.0, mixes the two "
-                       "up: Duet makes all launches alike"},
-        {d.keeps_kernels, "compiles a program again where its binary is asked for: Duet leaves "
-                          "caching to the driver"},
-        {d.in_place, "wakes all its threads for each map of shared memory: Duet maps none"},
-        {d.breaks,
+    static const struct {
+        driver_quirk quirk;
+        const char *text;
+    } told[] = {
+        {DRIVER_TWO_WIDTHS, "compiles a kernel again for large launches and, before 6.0, mixes the "
+                            "two up: Duet makes all launches alike"},
+        {DRIVER_KEEPS_KERNELS, "compiles a program again where its binary is asked for: Duet "
+                               "leaves caching to the driver"},
+        {DRIVER_IN_PLACE, "wakes all its threads for each map of shared memory: Duet maps none"},
+        {DRIVER_CRASHES,
          "crashes where two threads compile at once: Duet compiles one program at a time"},
-        {d.header_option, "reads 17 000 lines of built-in declarations for each program: Duet's "
-                          "kernels declare what they call"},
+        {DRIVER_READS_HEADER, "reads 17 000 lines of built-in declarations for each program: "
+                              "Duet's kernels declare what they call"},
     };
-    for (size_t k = 0; k < sizeof known / sizeof *known; ++k)
-        if (known[k].has && i-- == 0)
-            return known[k].quirk;
+    const uint32_t quirks = info ? driver_quirks(info) : 0;
+    for (size_t k = 0; k < sizeof told / sizeof *told; ++k)
+        if ((quirks & told[k].quirk) && i-- == 0)
+            return told[k].text;
     return NULL;
 }
 

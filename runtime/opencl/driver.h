@@ -13,33 +13,40 @@
 
 #include "runtime/duet.h"
 
-typedef struct driver {
-    // Text before each kernel if groups lie along the third axis: the functions of OpenCL by which
-    // a kernel asks for its place along the first. NULL if groups lie along the first.
-    const char *third_axis;
+// What a driver does otherwise than others: a set of these.
+typedef enum driver_quirk {
+    // It compiles a kernel for each width of launch, so that groups lie along the third axis.
+    DRIVER_TWO_WIDTHS = 1 << 0,
 
-    // The option that leaves out the header of OpenCL's functions, where the driver reads one for
-    // each program: the program must then declare what it calls. NULL where the driver reads none.
+    // It reads a header of OpenCL's functions for each program, which then declares what it calls.
     // A first run takes 3.2 s of processor time instead of 4.6, and the next 0.2 instead of 0.4.
-    const char *header_option;
+    DRIVER_READS_HEADER = 1 << 1,
 
     // It keeps what it compiled itself and compiles all again when it is asked for a binary, as
     // PoCL does: 5.7 s of processor time instead of 3.2 for a first run, and 0.1 instead of 0.2
     // for the next.
-    bool keeps_kernels;
+    DRIVER_KEEPS_KERNELS = 1 << 2,
 
     // Kernels work on wrapped host memory itself, so that a map only orders commands, which one
     // queue does already. PoCL makes a command of each map and each unmap, and wakes all threads
     // of the device for it, as for a kernel: up to ten in a step, beside six kernels.
-    bool in_place;
+    DRIVER_IN_PLACE = 1 << 3,
 
-    // Several threads are not to compile at once: PoCL compiles under one lock, and a thread more
-    // would only wait; Oclgrind's programs share a state of LLVM that no lock guards.
-    bool compiles_one_by_one;
-    bool breaks; // else
-} driver;
+    // It compiles under one lock, as PoCL does, so that a thread more would only wait.
+    DRIVER_ONE_COMPILER = 1 << 4,
 
-driver driver_of(const duet_device_info *info);
+    // Its programs share a state of LLVM that no lock guards, as Oclgrind's do.
+    DRIVER_CRASHES = 1 << 5,
+} driver_quirk;
+
+uint32_t driver_quirks(const duet_device_info *info);
+
+// Text before each kernel for DRIVER_TWO_WIDTHS: the functions of OpenCL by which a kernel asks for
+// its place along the first axis.
+extern const char driver_third_axis[];
+
+// The option that leaves out the header for DRIVER_READS_HEADER.
+extern const char driver_header_option[];
 
 // Makes the folder that PoCL keeps built kernels in, as PoCL does: where it cannot, it lists no
 // device and does not say why. NO_DEVICE with the reason then.

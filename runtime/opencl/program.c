@@ -54,8 +54,6 @@ program_set *program_set_open(const device *d, gen *g, const program_builder *bu
         set->builder = *builder;
     if (program_builder_keeps(&set->builder, &d->info))
         set->cache_dir = set->builder.cache_dir;
-    if (d->driver.header_option)
-        set->built_ins = gen_built_ins(g);
     return set;
 }
 
@@ -149,9 +147,9 @@ static bool bind(const program_set *set, const gen_variant *variant, const char 
 
 static program *new_program(const program_set *set, const gen_variant *variant, duet_error *err)
 {
-    const char *third_axis = set->device->driver.third_axis;
+    const bool two_widths = set->device->quirks & DRIVER_TWO_WIDTHS;
     text all = {0};
-    text_add(&all, "%s%s", third_axis ? third_axis : "", variant->text);
+    text_add(&all, "%s%s", two_widths ? driver_third_axis : "", variant->text);
     program *p = text_ok(&all, NULL) ? calloc(1, sizeof *p) : NULL;
     if (!p) {
         text_free(&all);
@@ -261,7 +259,7 @@ bool program_set_check(program_set *set, const char *kernel_name, const gen_sett
 // Unless a folder was named, a driver that keeps its kernels itself is left to do so.
 bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
 {
-    return b->cache_dir && !(b->is_default && driver_of(info).keeps_kernels);
+    return b->cache_dir && !(b->is_default && (driver_quirks(info) & DRIVER_KEEPS_KERNELS));
 }
 
 static void look_in_folder(const program_set *set, program *p)
@@ -320,9 +318,6 @@ bool program_set_build(program_set *set, duet_error *err)
 {
     look_up(set);
     bool ok = programs_build(set, err);
-    for (program *p = set->first; p; p = p->next)
-        if (p->is_new)
-            program_pool_put(set->device->built, p);
     for (program *p = set->first; ok && p; p = p->next)
         ok = create_kernels(set, p, err);
     if (!ok)

@@ -30,7 +30,6 @@ static bool build_binary(const program_set *set, program *p)
     }
     device_object_made();
     p->cl = cl;
-    p->is_new = true;
     return true;
 }
 
@@ -41,7 +40,10 @@ static uint32_t build_binaries(program_set *set)
     for (program *p = set->first; p; p = p->next) {
         if (p->cl)
             continue;
-        left += !p->binary || !build_binary(set, p);
+        bool built = p->binary && build_binary(set, p);
+        left += !built;
+        if (built)
+            program_pool_put(set->device->built, p);
         free(p->binary);
         p->binary = NULL;
     }
@@ -120,16 +122,17 @@ static bool build_sources(const program_set *set, program *p, cl_uint n, const c
     }
     device_object_made();
     p->cl = cl;
-    p->is_new = true;
     return true;
 }
 
-// With declarations of ours in the place of the driver's header.
+// With declarations of ours in the place of the driver's header, if there are some and it has one.
 static bool build_declared(const program_set *set, program *p)
 {
-    const char *sources[] = {set->built_ins, p->text};
+    const char *built_ins = gen_built_ins(set->gen), *sources[] = {built_ins, p->text};
     char options[96];
-    snprintf(options, sizeof options, "%s %s", PROGRAM_OPTIONS, set->device->driver.header_option);
+    if (!built_ins || !(set->device->quirks & DRIVER_READS_HEADER))
+        return false;
+    snprintf(options, sizeof options, "%s %s", PROGRAM_OPTIONS, driver_header_option);
     return build_sources(set, p, 2, sources, options, NULL);
 }
 
@@ -137,7 +140,7 @@ static bool build_declared(const program_set *set, program *p)
 // count.
 bool program_compile(const program_set *set, program *p, duet_error *err)
 {
-    if (set->built_ins && build_declared(set, p))
+    if (build_declared(set, p))
         return true;
     const char *source = p->text;
     return build_sources(set, p, 1, &source, PROGRAM_OPTIONS, err);
@@ -151,15 +154,14 @@ typedef struct compilation {
     pthread_mutex_t lock;
     program *next;
     uint32_t taken, n;
-    bool failed; // no other is begun then
-    duet_error *err;
+    duet_error failure; // no other is begun then
 } compilation;
 
 static program *take_next(compilation *c)
 {
     const program_builder *b = &c->set->builder;
     pthread_mutex_lock(&c->lock);
-    program *p = c->failed ? NULL : c->next;
+    program *p = c->failure.status == DUET_STATUS_OK ? c->next : NULL;
     while (p && p->cl)
         p = p->next;
     if (p) {
@@ -188,20 +190,20 @@ static void compile_some(void *arg, uint64_t from, uint64_t to)
                 why = complaint;
             break;
         }
+        program_pool_put(c->set->device->built, p);
         keep_binary(c->set, p);
     }
     if (why.status == DUET_STATUS_OK)
         return;
     pthread_mutex_lock(&c->lock);
-    c->failed = true;
-    error_copy(c->err, &why);
+    error_copy(&c->failure, &why);
     pthread_mutex_unlock(&c->lock);
 }
 
 static uint32_t helpers_for(const program_set *set, uint32_t n)
 {
     enum { MOST_HELPERS = 3 };
-    if (n < 2 || set->device->driver.compiles_one_by_one)
+    if (n < 2 || set->device->quirks & (DRIVER_ONE_COMPILER | DRIVER_CRASHES))
         return 0;
     return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
 }
@@ -210,7 +212,7 @@ bool programs_build(program_set *set, duet_error *err)
 {
     const program_builder *b = &set->builder;
     uint32_t n = build_binaries(set), n_helpers = helpers_for(set, n);
-    compilation c = {.set = set, .next = set->first, .n = n, .err = err};
+    compilation c = {.set = set, .next = set->first, .n = n};
     thread_pool *helpers = n_helpers > 0 ? thread_pool_open(n_helpers, NULL) : NULL;
     pthread_mutex_init(&c.lock, NULL);
     thread_pool_share(helpers, compile_some, &c, n, 1);
@@ -218,5 +220,5 @@ bool programs_build(program_set *set, duet_error *err)
     pthread_mutex_destroy(&c.lock);
     if (b->on_compile && n > 0)
         b->on_compile(b->context, &set->device->info, NULL, n, n);
-    return !c.failed;
+    return c.failure.status == DUET_STATUS_OK || error_copy(err, &c.failure);
 }

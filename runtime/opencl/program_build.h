@@ -20,7 +20,6 @@ typedef struct program {
     char *binary; // the folder's binary, until it is built; or NULL
     size_t binary_bytes;
     cl_program cl; // NULL: asked for, and not yet built
-    bool is_new;   // it was built, and no other set knows of it
     struct {
         char entry[48];
         kernel k;
@@ -34,7 +33,6 @@ struct program_set {
     gen_limits limits;
     program_builder builder;
     const char *cache_dir; // NULL: this device's programs are not kept there
-    const char *built_ins; // text in the place of the driver's header, or NULL
     program *first;
 };
 
@@ -48,8 +46,8 @@ const char *program_place_message(const char *source, const char *message,
 // Compiles the program's text.
 bool program_compile(const program_set *set, program *p, duet_error *err);
 
-// Builds all that is not built: of its binary, or else of its text, which is then kept in the
-// folder. After a failure some may be built.
+// Builds all that is not built, of its binary or else of its text, and puts it into the pool; what
+// was built of its text is kept in the folder. After a failure some may be built.
 bool programs_build(program_set *set, duet_error *err);
 
 // The programs that were built last on a device. A world or a motion more on it then builds
@@ -59,7 +57,7 @@ void program_pool_close(program_pool *pool);
 
 // Takes the program from the pool, if it is there; false if not, or if pool is NULL.
 bool program_pool_take(program_pool *pool, program *p);
-void program_pool_put(program_pool *pool, program *p); // the pool may be NULL
+void program_pool_put(program_pool *pool, const program *p); // the pool may be NULL
 
 void program_release(cl_program *built); // NULL in it does nothing
 

@@ -65,9 +65,8 @@ bool program_pool_take(program_pool *pool, program *p)
     return p->cl;
 }
 
-void program_pool_put(program_pool *pool, program *p)
+void program_pool_put(program_pool *pool, const program *p)
 {
-    p->is_new = false;
     if (!pool)
         return;
     pthread_mutex_lock(&pool->lock);

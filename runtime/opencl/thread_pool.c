@@ -14,31 +14,40 @@
 // is looked for first; a thread that stays awake looks for longer than the devices of a step take.
 enum { SOON_NS = 50000, AWAKE_NS = 30000000, LOOKS = 1 << 10 };
 
+// Pieces of [0, n), or one job.
 typedef struct loop {
     thread_pool_some *some;
+    thread_pool_job *job; // NULL: pieces
     void *arg;
     uint64_t n, piece;
     _Atomic uint64_t taken;
 } loop;
 
-typedef enum call_state { CALL_NONE, CALL_GIVEN, CALL_TAKEN, CALL_OVER } call_state;
+// A loop and a call can be under way at a time. Threads may join `now` until it is NULL, and are
+// inside for as long as they may still read it.
+typedef struct slot {
+    _Atomic(loop *) now;
+    atomic_uint inside;
+    loop started; // by thread_pool_start or thread_pool_begin_call
+} slot;
+
+enum { CALL, LOOP, SLOTS };
+
+typedef enum pool_mode { POOL_SLEEPS, POOL_AWAKE, POOL_CLOSING } pool_mode;
+
+// Those who sleep until somebody wakes them.
+typedef struct sleepers {
+    pthread_cond_t woken;
+    atomic_uint n;
+} sleepers;
 
 struct thread_pool {
     pthread_mutex_t lock;
-    pthread_cond_t given; // a loop, a call, or closing; for sleepers
-    pthread_cond_t over;  // a call, or the last piece of a loop; for the caller
-    atomic_uint sleepers;
-    _Atomic bool caller_sleeps;
-    _Atomic uint64_t n_loops; // given so far
-    _Atomic(loop *) now;      // NULL: none that may still be joined
-    atomic_uint inside;       // threads that may have joined it
-    thread_pool_job *job;     // thread_pool_start's
-    void *job_arg;
-    loop jobs; // the loop that calls it
-    thread_pool_job *call;
-    void *call_arg;
-    atomic_int call_state;
-    _Atomic bool awake, closing;
+    sleepers idle;   // threads without work
+    sleepers caller; // who waits for the last thread inside a slot
+    slot slots[SLOTS];
+    _Atomic uint64_t n_given; // loops and calls so far
+    atomic_int mode;          // a pool_mode
     uint32_t n_threads;
     pthread_t threads[];
 };
@@ -53,72 +62,52 @@ uint32_t thread_pool_spare(uint32_t most)
 
 // ---------------------------------------------------------------- waiting
 
-typedef bool condition(thread_pool *c, uint64_t seen);
+typedef bool condition(thread_pool *c, uint64_t which);
+
+static bool is_mode(thread_pool *c, pool_mode mode)
+{
+    return atomic_load(&c->mode) == (int)mode;
+}
 
 static bool has_work(thread_pool *c, uint64_t seen)
 {
-    return atomic_load(&c->n_loops) != seen || atomic_load(&c->call_state) == CALL_GIVEN ||
-           atomic_load(&c->closing);
+    return atomic_load(&c->n_given) != seen || is_mode(c, POOL_CLOSING);
 }
 
-static bool is_call_over(thread_pool *c, uint64_t unused)
+static bool is_over(thread_pool *c, uint64_t which)
 {
-    (void)unused;
-    return atomic_load(&c->call_state) == CALL_OVER;
+    return atomic_load(&c->slots[which].inside) == 0;
 }
 
-static bool is_loop_over(thread_pool *c, uint64_t unused)
-{
-    (void)unused;
-    return atomic_load(&c->inside) == 0;
-}
-
-static bool look_for(thread_pool *c, condition *is, uint64_t seen, uint64_t ns)
+static bool look_for(thread_pool *c, condition *is, uint64_t which, uint64_t ns)
 {
     for (uint64_t begun = clock_steady_ns(); clock_steady_ns() - begun < ns; sched_yield())
         for (int i = 0; i < LOOKS; ++i)
-            if (is(c, seen))
+            if (is(c, which))
                 return true;
-    return is(c, seen);
+    return is(c, which);
 }
 
-// Either the giver sees the sleeper or the sleeper sees the work.
-static void wait_for_work(thread_pool *c, uint64_t seen)
+// Either the one who makes the condition true sees the sleeper, or the sleeper sees that it is.
+static void wait_until(thread_pool *c, sleepers *as, condition *is, uint64_t which, uint64_t ns)
 {
-    if (look_for(c, has_work, seen, atomic_load(&c->awake) ? AWAKE_NS : 0))
+    if (look_for(c, is, which, is_mode(c, POOL_AWAKE) ? AWAKE_NS : ns))
         return;
     pthread_mutex_lock(&c->lock);
-    atomic_fetch_add(&c->sleepers, 1);
-    while (!has_work(c, seen))
-        pthread_cond_wait(&c->given, &c->lock);
-    atomic_fetch_sub(&c->sleepers, 1);
+    atomic_fetch_add(&as->n, 1);
+    while (!is(c, which))
+        pthread_cond_wait(&as->woken, &c->lock);
+    atomic_fetch_sub(&as->n, 1);
     pthread_mutex_unlock(&c->lock);
 }
 
-static void wait_until(thread_pool *c, condition *is_over)
+static void wake(thread_pool *c, sleepers *who)
 {
-    if (look_for(c, is_over, 0, atomic_load(&c->awake) ? AWAKE_NS : SOON_NS))
+    if (atomic_load(&who->n) == 0)
         return;
     pthread_mutex_lock(&c->lock);
-    atomic_store(&c->caller_sleeps, true);
-    while (!is_over(c, 0))
-        pthread_cond_wait(&c->over, &c->lock);
-    atomic_store(&c->caller_sleeps, false);
+    pthread_cond_broadcast(&who->woken);
     pthread_mutex_unlock(&c->lock);
-}
-
-static void wake(thread_pool *c, pthread_cond_t *what, bool sleeps)
-{
-    if (!sleeps)
-        return;
-    pthread_mutex_lock(&c->lock);
-    pthread_cond_broadcast(what);
-    pthread_mutex_unlock(&c->lock);
-}
-
-static void give(thread_pool *c)
-{
-    wake(c, &c->given, atomic_load(&c->sleepers) > 0);
 }
 
 // ---------------------------------------------------------------- threads
@@ -127,36 +116,29 @@ static void run_pieces(loop *l)
 {
     uint64_t at;
     while ((at = atomic_fetch_add(&l->taken, l->piece)) < l->n)
-        l->some(l->arg, at, l->n - at < l->piece ? l->n : at + l->piece);
+        if (l->job)
+            l->job(l->arg);
+        else
+            l->some(l->arg, at, l->n - at < l->piece ? l->n : at + l->piece);
 }
 
-static void join_loop(thread_pool *c)
+static void join(thread_pool *c, slot *s)
 {
-    atomic_fetch_add(&c->inside, 1);
-    loop *now = atomic_load(&c->now);
+    atomic_fetch_add(&s->inside, 1);
+    loop *now = atomic_load(&s->now);
     if (now)
         run_pieces(now);
-    atomic_fetch_sub(&c->inside, 1);
-    wake(c, &c->over, atomic_load(&c->caller_sleeps));
-}
-
-static void make_call(thread_pool *c)
-{
-    int given = CALL_GIVEN;
-    if (!atomic_compare_exchange_strong(&c->call_state, &given, CALL_TAKEN))
-        return;
-    c->call(c->call_arg);
-    atomic_store(&c->call_state, CALL_OVER);
-    wake(c, &c->over, atomic_load(&c->caller_sleeps));
+    atomic_fetch_sub(&s->inside, 1);
+    wake(c, &c->caller);
 }
 
 static void *work(void *arg)
 {
     thread_pool *c = arg;
-    for (uint64_t seen = 0; !atomic_load(&c->closing); wait_for_work(c, seen)) {
-        seen = atomic_load(&c->n_loops);
-        make_call(c);
-        join_loop(c);
+    for (uint64_t seen = 0; !is_mode(c, POOL_CLOSING); wait_until(c, &c->idle, has_work, seen, 0)) {
+        seen = atomic_load(&c->n_given);
+        for (int i = 0; i < SLOTS; ++i)
+            join(c, &c->slots[i]);
     }
     return NULL;
 }
@@ -167,8 +149,8 @@ thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
     if (!c)
         return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for %u threads", n_threads);
     pthread_mutex_init(&c->lock, NULL);
-    pthread_cond_init(&c->given, NULL);
-    pthread_cond_init(&c->over, NULL);
+    pthread_cond_init(&c->idle.woken, NULL);
+    pthread_cond_init(&c->caller.woken, NULL);
     while (c->n_threads < n_threads &&
            pthread_create(&c->threads[c->n_threads], NULL, work, c) == 0)
         ++c->n_threads;
@@ -185,79 +167,70 @@ void thread_pool_close(thread_pool *c)
     if (!c)
         return;
     thread_pool_wait(c);
-    atomic_store(&c->closing, true);
-    give(c);
+    atomic_store(&c->mode, POOL_CLOSING);
+    wake(c, &c->idle);
     for (uint32_t i = 0; i < c->n_threads; ++i)
         pthread_join(c->threads[i], NULL);
-    pthread_cond_destroy(&c->given);
-    pthread_cond_destroy(&c->over);
+    pthread_cond_destroy(&c->idle.woken);
+    pthread_cond_destroy(&c->caller.woken);
     pthread_mutex_destroy(&c->lock);
     free(c);
 }
 
 void thread_pool_stay_awake(thread_pool *c, bool awake)
 {
-    atomic_store(&c->awake, awake);
+    atomic_store(&c->mode, awake ? POOL_AWAKE : POOL_SLEEPS);
 }
 
-// ---------------------------------------------------------------- loops
+// ---------------------------------------------------------------- loops and calls
 
-static void begin_loop(thread_pool *c, loop *l)
+static void begin(thread_pool *c, slot *s, loop *l)
 {
-    atomic_store(&c->now, l);
-    atomic_fetch_add(&c->n_loops, 1);
-    give(c);
+    atomic_store(&s->now, l);
+    atomic_fetch_add(&c->n_given, 1);
+    wake(c, &c->idle);
 }
 
-static void end_loop(thread_pool *c, loop *l)
+static void end(thread_pool *c, slot *s, loop *l)
 {
     run_pieces(l);
-    atomic_store(&c->now, NULL);
-    wait_until(c, is_loop_over);
+    atomic_store(&s->now, NULL);
+    wait_until(c, &c->caller, is_over, (uint64_t)(s - c->slots), SOON_NS);
 }
 
 void thread_pool_share(thread_pool *c, thread_pool_some *some, void *arg, uint64_t n,
                        uint64_t piece)
 {
     loop l = {.some = some, .arg = arg, .n = n, .piece = piece};
-    bool shared = c && n > piece;
-    if (shared)
-        begin_loop(c, &l);
-    if (shared)
-        end_loop(c, &l);
-    else
+    if (!c || n <= piece) {
         run_pieces(&l);
+        return;
+    }
+    begin(c, &c->slots[LOOP], &l);
+    end(c, &c->slots[LOOP], &l);
 }
 
-static void do_job(void *arg, uint64_t first, uint64_t last)
+static void start(thread_pool *c, slot *s, loop l)
 {
-    const thread_pool *c = arg;
-    for (; first < last; ++first)
-        c->job(c->job_arg);
+    s->started = (loop){.some = l.some, .job = l.job, .arg = l.arg, .n = l.n, .piece = 1};
+    begin(c, s, &s->started);
 }
 
-void thread_pool_start(thread_pool *c, thread_pool_job *job, void *arg)
+void thread_pool_start(thread_pool *c, thread_pool_some *some, void *arg, uint64_t n)
 {
-    c->job = job;
-    c->job_arg = arg;
-    c->jobs.some = do_job;
-    c->jobs.arg = c;
-    c->jobs.n = c->n_threads;
-    c->jobs.piece = 1;
-    atomic_store(&c->jobs.taken, 0);
-    begin_loop(c, &c->jobs);
+    start(c, &c->slots[LOOP], (loop){.some = some, .arg = arg, .n = n});
 }
 
 void thread_pool_wait(thread_pool *c)
 {
     if (c)
-        end_loop(c, &c->jobs);
+        end(c, &c->slots[LOOP], &c->slots[LOOP].started);
 }
 
 void thread_pool_run_both(thread_pool *c, thread_pool_job *job, void *a, void *b)
 {
     if (a && b)
-        thread_pool_start(c, job, a);
+        start(c, &c->slots[LOOP], (loop){.job = job, .arg = a, .n = 1});
     else if (a)
         job(a);
     if (b)
@@ -266,19 +239,12 @@ void thread_pool_run_both(thread_pool *c, thread_pool_job *job, void *a, void *b
         thread_pool_wait(c);
 }
 
-// ---------------------------------------------------------------- a call
-
 void thread_pool_begin_call(thread_pool *c, thread_pool_job *call, void *arg)
 {
-    c->call = call;
-    c->call_arg = arg;
-    atomic_store(&c->call_state, CALL_GIVEN);
-    give(c);
+    start(c, &c->slots[CALL], (loop){.job = call, .arg = arg, .n = 1});
 }
 
 void thread_pool_end_call(thread_pool *c)
 {
-    make_call(c);
-    wait_until(c, is_call_over);
-    atomic_store(&c->call_state, CALL_NONE);
+    end(c, &c->slots[CALL], &c->slots[CALL].started);
 }

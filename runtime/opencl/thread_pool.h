@@ -27,11 +27,12 @@ typedef void thread_pool_some(void *arg, uint64_t first, uint64_t last);
 void thread_pool_share(thread_pool *c, thread_pool_some *some, void *arg, uint64_t n,
                        uint64_t piece);
 
-// Calls job(arg) as often as there are threads, at the same time. The wait makes calls that no
-// thread has begun; NULL: it waits for nothing.
-typedef void thread_pool_job(void *arg);
-void thread_pool_start(thread_pool *c, thread_pool_job *job, void *arg);
+// The same for pieces of one, without the caller's thread until it waits; it then takes what no
+// thread has begun. NULL: it waits for nothing.
+void thread_pool_start(thread_pool *c, thread_pool_some *some, void *arg, uint64_t n);
 void thread_pool_wait(thread_pool *c);
+
+typedef void thread_pool_job(void *arg);
 
 // job(a) in the pool's only thread and job(b) in the caller's, at the same time. NULL: that one
 // has nothing to do; with one of them the pool is not needed.

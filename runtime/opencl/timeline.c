@@ -45,8 +45,9 @@ bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint
     const size_t along_third[3] = {k->group, 1, n_groups};
     cl_event event = NULL;
     cl_int code = clEnqueueNDRangeKernel(
-        t->device->queue, k->cl, 3, NULL, t->device->driver.third_axis ? along_third : along_first,
-        group, after ? 1 : 0, after ? &after : NULL, t->untimed ? NULL : &event);
+        t->device->queue, k->cl, 3, NULL,
+        (t->device->quirks & DRIVER_TWO_WIDTHS) ? along_third : along_first, group, after ? 1 : 0,
+        after ? &after : NULL, t->untimed ? NULL : &event);
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
     ++t->n_launches;
@@ -82,7 +83,7 @@ static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, 
                       duet_error *err)
 {
     cl_int code = CL_SUCCESS;
-    if (t->device->driver.in_place)
+    if (t->device->quirks & DRIVER_IN_PLACE)
         return !wait || await_queue(t, err);
     if (t->sent == SENT_SEEN)
         t->sent = SENT_TOLD;
@@ -199,7 +200,7 @@ bool timeline_see(timeline *t, const char *stage, const buffer *const list[], in
     cl_event event = NULL;
     assert(n > 0 && n <= TIMELINE_SEEN);
     ++t->n_waits;
-    if (t->device->driver.in_place)
+    if (t->device->quirks & DRIVER_IN_PLACE)
         return await_queue(t, err);
     for (int i = 0; i < n && code == CL_SUCCESS; ++i) {
         bool last = i + 1 == n;

@@ -172,7 +172,7 @@ static profile_workload describe_workload(const duet_world *world)
     bool turns = def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_ROUNDED_BOXES;
     return (profile_workload){
         .dims = def->dims,
-        .n = world->n,
+        .n = world->objects.all.n,
         .cells = {s.cells[0], s.cells[1], s.cells[2]},
         .cell = s.cell,
         .occ_mean = s.mean_occupancy,
@@ -209,7 +209,7 @@ static void describe_pair(profile_subject *p, const duet_device_pair *pair)
 bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err)
 {
     *p = (profile_subject){0};
-    if (world->n == 0)
+    if (world->objects.all.n == 0)
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
             "a world without objects has no profile; expected objects to be set first");
@@ -299,7 +299,7 @@ static bool read_bodies(const duet_motion *m, profile_subject *p, duet_error *er
     def.dims = m->def.dims;
     def.origin_edge = m->cells ? m->def.origin_edge : 0;
     def.rotated = m->effects & DUET_EFFECT_ROTATION;
-    def.shape = !m->cells && m->facts.round ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
+    def.shape = !m->cells && (m->facts & FACT_ROUND) ? DUET_SHAPE_ROUNDED_BOXES : DUET_SHAPE_POSES;
     duet_object_kind kind = origin_row_kind(def.shape, def.origin_edge);
     void *rows = copy_bodies(m, kind, err);
     duet_world *world = rows ? duet_world_create(&def, err) : NULL;

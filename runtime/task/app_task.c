@@ -3,6 +3,8 @@
 
 #include "base/error.h"
 #include "runtime/duet_opencl.h"
+#include "runtime/opencl/device_pair.h"
+#include "runtime/task/task_def.h"
 #include "runtime/task/task_launcher.h"
 
 #include <inttypes.h>
@@ -32,6 +34,30 @@ duet_task_file *duet_task_file_load(const char *path, const duet_setting *settin
         !check_settings(settings, n_settings, __func__, err))
         return NULL;
     return task_load(path, settings, n_settings, err);
+}
+
+static bool check_cookie(const duet_task_def *def, duet_error *err)
+{
+    return (def && def->cookie == COOKIE) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "the task's def does not come from duet_default_task_def");
+}
+
+static task *describe(const duet_task_def *def, task_use use, const char *call, duet_error *err)
+{
+    if (!def->path)
+        return task_make(def, use, call, err);
+    if (!check_settings(def->settings, def->n_settings, call, err))
+        return NULL;
+    return use == TASK_CHECKED
+               ? task_load(def->path, def->settings, def->n_settings, err)
+               : task_load_unchecked(def->path, def->settings, def->n_settings, err);
+}
+
+duet_task_file *duet_task_file_create(const duet_task_def *def, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    return check_cookie(def, err) ? describe(def, TASK_CHECKED, __func__, err) : NULL;
 }
 
 void duet_task_file_destroy(duet_task_file *file)
@@ -90,17 +116,6 @@ duet_task_def duet_default_task_def(void)
     return (duet_task_def){.plan = duet_default_plan(NULL), .cookie = COOKIE};
 }
 
-static bool check_def(const duet_task_def *def, const char *call, duet_error *err)
-{
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the task's def does not come from duet_default_task_def");
-    if (!def->pair || !def->path)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the task's def has no %s",
-                         def->pair ? "path" : "device pair");
-    return check_settings(def->settings, def->n_settings, call, err);
-}
-
 static void list_args(duet_task *t)
 {
     for (uint32_t i = 0; i < t->file->n_args; ++i) {
@@ -114,10 +129,10 @@ static void list_args(duet_task *t)
     }
 }
 
-static bool open(duet_task *t, const duet_task_def *def, duet_error *err)
+static bool open(duet_task *t, const duet_task_def *def, const char *call, duet_error *err)
 {
     t->pair = def->pair;
-    t->file = task_load_unchecked(def->path, def->settings, def->n_settings, err);
+    t->file = describe(def, TASK_UNCHECKED, call, err);
     if (!t->file || !resolve_plan(&def->plan, t->pair, &t->plan, err))
         return false;
     list_args(t);
@@ -128,12 +143,12 @@ static bool open(duet_task *t, const duet_task_def *def, duet_error *err)
 duet_task *duet_task_create(const duet_task_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!check_def(def, __func__, err))
+    if (!check_cookie(def, err) || !error_given(def->pair, __func__, "the def's pair", err))
         return NULL;
     duet_task *t = calloc(1, sizeof *t);
     if (!t)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a task", def->path);
-    if (open(t, def, err))
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a task");
+    if (open(t, def, __func__, err))
         return t;
     duet_task_destroy(t);
     return NULL;

@@ -29,10 +29,29 @@ const char *task_kernel_dir(const task *t, const duet_device_pair *pair)
     return pair->kernel_dir ? pair->kernel_dir : t->folder;
 }
 
+bool task_add_kernels(const task *t, gen *g, duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < t->n_kernels; ++i)
+        ok = gen_add(g, t->kernels[i].name, t->kernels[i].card, t->kernels[i].text, err);
+    return ok;
+}
+
+static void free_kernels(task *t)
+{
+    for (uint32_t i = 0; i < t->n_kernels; ++i) {
+        free(t->kernels[i].name);
+        free(t->kernels[i].card);
+        free(t->kernels[i].text);
+    }
+    free(t->kernels);
+}
+
 void task_destroy(task *t)
 {
     if (!t)
         return;
+    free_kernels(t);
     for (uint32_t i = 0; i < t->n_args; ++i) {
         task_values_free(&t->args[i].initial);
         task_values_free(&t->args[i].expected);

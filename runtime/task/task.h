@@ -75,10 +75,17 @@ typedef struct task_arg {
                           // says so
 } task_arg;
 
+// A kernel that lies in no folder.
+typedef struct task_kernel {
+    char *name, *card, *text;
+} task_kernel;
+
 typedef struct duet_task_file {
     char name[TASK_NAME]; // the file's, without folder and endings
     char *path;           // the file's
-    char *folder;         // the file's, where its kernel is by default
+    char *folder;         // the file's, where its kernel is by default; NULL: there is none
+    task_kernel *kernels; // [n_kernels] that the task brings with it
+    uint32_t n_kernels;
     char kernel[GEN_NAME];
     char entry[GEN_NAME];        // of the kernel
     char reference[GEN_NAME];    // a kernel that finds what is right; empty: the arrays expect it
@@ -103,6 +110,9 @@ void task_destroy(task *t); // NULL does nothing
 
 // The folder of the kernel's text and card on that pair.
 const char *task_kernel_dir(const task *t, const duet_device_pair *pair);
+
+// Adds the kernels that the task brings with it.
+bool task_add_kernels(const task *t, gen *g, duet_error *err);
 
 // Returns the index of the argument of that name; n_args if there is none.
 uint32_t task_find_arg(const task *t, const char *name);

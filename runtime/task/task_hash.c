@@ -26,17 +26,30 @@ static void hash_files(SHA2_CTX *sha, const char *folder, const char *name)
         hash_file(sha, folder, name, ends[i]);
 }
 
+static void hash_kernel(SHA2_CTX *sha, const task *t, const duet_device_pair *pair)
+{
+    for (uint32_t i = 0; i < t->n_kernels; ++i) {
+        const task_kernel *k = &t->kernels[i];
+        if (strcmp(k->name, t->kernel) != 0)
+            continue;
+        SHA256Update(sha, (const uint8_t *)k->card, strlen(k->card));
+        SHA256Update(sha, (const uint8_t *)k->text, strlen(k->text));
+        return;
+    }
+    hash_files(sha, task_kernel_dir(t, pair), t->kernel);
+}
+
 bool task_kernel_hash(const task *t, const duet_device_pair *pair, char hash[65], duet_error *err)
 {
     gen_limits limits = program_limits(&pair->devices[1].info);
     gen *g = gen_open(task_kernel_dir(t, pair), err);
     gen_variant v = {0};
-    bool ok = g && gen_make(g, t->kernel, NULL, 0, &limits, &v, err);
+    bool ok = g && task_add_kernels(t, g, err) && gen_make(g, t->kernel, NULL, 0, &limits, &v, err);
     if (ok) {
         SHA2_CTX sha;
         SHA256Init(&sha);
         SHA256Update(&sha, (const uint8_t *)v.sha256, strlen(v.sha256));
-        hash_files(&sha, task_kernel_dir(t, pair), t->kernel);
+        hash_kernel(&sha, t, pair);
         SHA256End(&sha, hash);
     }
     gen_variant_free(&v);

@@ -272,7 +272,8 @@ static bool open_side(task_side *s, duet_error *err)
         return true;
     gen_limits limits = program_set_limits(s->side.programs);
     s->call = &s->own;
-    if (!task_call_read(&s->own, t, t->kernel, t->entry, s->side.gen, &limits, err) ||
+    if (!task_add_kernels(t, s->side.gen, err) ||
+        !task_call_read(&s->own, t, t->kernel, t->entry, s->side.gen, &limits, err) ||
         (*t->reference && !task_call_read(&s->reference, t, t->reference,
                                           strcmp(t->reference, t->kernel) ? t->reference : t->entry,
                                           s->side.gen, &limits, err)))
@@ -320,6 +321,11 @@ static bool open(task_launcher *l, duet_device_pair *pair, duet_error *err)
     uint32_t share = duet_device_pair_is_one(pair) ? 0 : DUET_SHARE_ONE / 2;
     for (int side = 0; side < 2; ++side)
         l->sides[side].launcher = l;
+    if (!task_kernel_dir(l->task, pair) && l->task->n_kernels == 0)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "task %s: neither its def nor the pair says where the kernel's card and "
+                         "text are; expected kernels, a folder or a kernel_dir",
+                         l->task->name);
     if (!shared_work_open(&l->work, pair, task_kernel_dir(l->task, pair), share, &l->sides[0].side,
                           &l->sides[1].side, err) ||
         !make_results(l, err) || !open_side(&l->sides[0], err) || !open_side(&l->sides[1], err))

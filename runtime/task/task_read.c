@@ -8,6 +8,7 @@
 #include "gen/parameters.h"
 #include "gen/sandbox.h"
 #include "runtime/task/task_args.h"
+#include "runtime/task/task_read.h"
 #include "runtime/task/task_reference.h"
 
 #include <inttypes.h>
@@ -19,22 +20,12 @@
 
 enum { ROOT = 1, READING = 2 };
 
-typedef struct reading {
-    task *task;
-    const duet_setting *settings;
-    uint32_t n_settings;
-    bool declared;                   // the script has declared its parameters
-    uint64_t seed;                   // the parameter of that name; 0: there is none
-    enum { CHECKED, UNCHECKED } use; // UNCHECKED: what is right is not read
-    duet_error why;
-} reading;
-
 // ---------------------------------------------------------------- parameters
 
 // parameters{name = default, ...} -> the same with what was set from outside
 static int word_parameters(lua_State *L)
 {
-    reading *r = lua_touserdata(L, lua_upvalueindex(1));
+    task_reading *r = lua_touserdata(L, lua_upvalueindex(1));
     parameters_declare(L, &r->declared);
     for (uint32_t i = 0; i < r->n_settings; ++i)
         parameters_set(L, "the task", r->settings[i].name, r->settings[i].value);
@@ -136,12 +127,11 @@ static void read_key(lua_State *L, task *t)
     lua_pop(L, 1);
 }
 
-// root, reading ->
-static int read_task(lua_State *L)
+int task_read_table(lua_State *L)
 {
     static const char *const names[] = {"kernel", "entry",     "args",      "items", "work",
                                         "key",    "reference", "tolerance", NULL};
-    reading *r = lua_touserdata(L, READING);
+    task_reading *r = lua_touserdata(L, READING);
     task *t = r->task;
     if (!lua_istable(L, ROOT))
         return field_raise(L, NULL, "a task file returns a table, not %s", luaL_typename(L, ROOT));
@@ -167,7 +157,7 @@ static int read_task(lua_State *L)
     read_key(L, t);
     task_args_read(L, ROOT, t, r->seed, &r->why);
     lua_settop(L, READING);
-    if (r->use == CHECKED)
+    if (r->use == TASK_CHECKED)
         task_reference_read(L, ROOT, t, &r->why);
     return 0;
 }
@@ -194,7 +184,7 @@ static bool take_path(task *t, const char *path, duet_error *err)
     return true;
 }
 
-static bool read_script(reading *r, const char *path, const text *chars, duet_error *err)
+static bool read_script(task_reading *r, const char *path, const text *chars, duet_error *err)
 {
     script *s = sandbox_open(&limits, err);
     if (!s)
@@ -203,7 +193,7 @@ static bool read_script(reading *r, const char *path, const text *chars, duet_er
     lua_pushcfunction(L, open_words);
     lua_pushlightuserdata(L, r);
     bool ok = script_call(s, 1, 0, err);
-    lua_pushcfunction(L, read_task);
+    lua_pushcfunction(L, task_read_table);
     ok = ok && script_run(s, path, text_chars(chars), chars->length, 1, err);
     lua_pushlightuserdata(L, r);
     ok = ok && script_call(s, 2, 0, err);
@@ -211,7 +201,7 @@ static bool read_script(reading *r, const char *path, const text *chars, duet_er
     return ok;
 }
 
-static task *load(reading *r, const char *path, duet_error *err)
+static task *load(task_reading *r, const char *path, duet_error *err)
 {
     task *t = r->task = calloc(1, sizeof *t);
     text chars = {0};
@@ -229,13 +219,13 @@ static task *load(reading *r, const char *path, duet_error *err)
 task *task_load(const char *path, const duet_setting *settings, uint32_t n_settings,
                 duet_error *err)
 {
-    reading r = {.settings = settings, .n_settings = n_settings, .use = CHECKED};
+    task_reading r = {.settings = settings, .n_settings = n_settings, .use = TASK_CHECKED};
     return load(&r, path, err);
 }
 
 task *task_load_unchecked(const char *path, const duet_setting *settings, uint32_t n_settings,
                           duet_error *err)
 {
-    reading r = {.settings = settings, .n_settings = n_settings, .use = UNCHECKED};
+    task_reading r = {.settings = settings, .n_settings = n_settings, .use = TASK_UNCHECKED};
     return load(&r, path, err);
 }

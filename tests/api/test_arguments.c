@@ -7,7 +7,6 @@
 #include "support/task_files.h"
 #include "support/test.h"
 
-#include "runtime/duet.h"
 #include "runtime/duet_opencl.h"
 #include "tuner/duet_tune.h"
 
@@ -658,13 +657,11 @@ static void references(void)
 static void create_motion(void)
 {
     duet_motion_def def = duet_default_motion_def();
-    duet_error err = {0};
     REFUSES(duet_motion_create(NULL, &pose, NULL, 1, e));
     REFUSES(duet_motion_create(&def, &pose, NULL, 1, e));
     def.pair = pair;
     REFUSES(duet_motion_create(&def, NULL, NULL, 1, e));
-    assert_null(duet_motion_create(&def, &pose, NULL, UINT32_MAX, &err));
-    assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
+    must_fail(duet_motion_create(&def, &pose, NULL, UINT32_MAX, ERR), DUET_STATUS_TOO_MANY, "");
     REFUSES(duet_motion_create_from_scene(NULL, scene, NULL, e));
     REFUSES(duet_motion_create_from_scene(&def, NULL, NULL, e));
     duet_motion_destroy(NULL);
@@ -810,6 +807,47 @@ static duet_task *make_task(void)
     return must(duet_task_create(&def, ERR));
 }
 
+// What a program says in the place of a task file.
+static void describe_task(void)
+{
+    const duet_setting nameless = {NULL, "1"}, without_value = {"n", NULL};
+    const duet_task_arg_def y = {.name = "y", .type = "int", .elements = 4, .access = "sum"};
+    const duet_task_arg_def without_name = {.type = "int"};
+    const duet_kernel_text whole = {"k", "return {}", ""},
+                           lacking[] = {{NULL, whole.card, whole.text},
+                                        {"k", NULL, whole.text},
+                                        {"k", whole.card, NULL}};
+    duet_task_def good = duet_default_task_def(), def = good;
+    REFUSES(duet_task_file_create(NULL, e));
+    REFUSES(duet_task_file_create(&(duet_task_def){.kernel = "k"}, e));
+    REFUSES(duet_task_file_create(&def, e));
+    good.kernel = "k";
+    good.items = 4;
+    good.args = &y;
+    good.n_args = 1;
+    good.kernels = &whole;
+    good.n_kernels = 1;
+    duet_task_file *made = duet_task_file_create(&good, ERR);
+    assert_non_null(made);
+    duet_task_file_destroy(made);
+    REFUSES(duet_task_create(&good, e)); // on no pair
+    REFUSES((def = good, def.args = NULL, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.args = &without_name, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.n_args = 0, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.items = 0, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.items = UINT64_MAX, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.work = UINT64_MAX, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.tolerance = NAN, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.n_key = 1, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.key = &nameless, def.n_key = 1, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.key = &without_value, def.n_key = 1, duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.kernels = NULL, duet_task_file_create(&def, e)));
+    for (int i = 0; i < 3; ++i)
+        REFUSES((def = good, def.kernels = &lacking[i], duet_task_file_create(&def, e)));
+    REFUSES((def = good, def.path = "twice.task.lua", def.n_settings = 1,
+             duet_task_file_create(&def, e)));
+}
+
 static void create_task(void)
 {
     const duet_setting nameless = {NULL, "1"}, without_value = {"n", NULL};
@@ -824,6 +862,7 @@ static void create_task(void)
     REFUSES(duet_task_file_load("twice.task.lua", NULL, 1, e));
     REFUSES(duet_task_file_load("twice.task.lua", &nameless, 1, e));
     REFUSES(duet_task_file_load("twice.task.lua", &without_value, 1, e));
+    describe_task();
     duet_task_file_destroy(NULL);
     duet_task_destroy(NULL);
     assert_null(duet_task_get_arg(NULL, 0));
@@ -1054,7 +1093,8 @@ static const struct {
      "duet_motion_set_def duet_motion_get_def duet_motion_apply_forces duet_motion_apply_impulses",
      command_motion},
     {"duet_task_create duet_task_destroy duet_default_task_def duet_task_file_load "
-     "duet_task_file_destroy duet_task_get_arg duet_task_get_items duet_task_get_plan",
+     "duet_task_file_create duet_task_file_destroy duet_task_get_arg duet_task_get_items "
+     "duet_task_get_plan",
      create_task},
     {"duet_task_set_number duet_task_set_integer duet_task_set_array duet_task_get_array "
      "duet_task_set_buffer duet_task_set_plan duet_task_load_profile duet_task_run",
@@ -1137,10 +1177,9 @@ static void check_call(const char *header, const char *name, bool takes_an_error
 // The name before the first bracket behind DUET_API.
 static void check_header(const char *header)
 {
-    duet_error err = {0};
     text path = {0}, file = {0};
     text_add(&path, "%s/../../%s", getenv("DUET_TEST_DATA"), header);
-    assert_ok(text_read_file(&file, text_chars(&path), &err), err);
+    must(text_read_file(&file, text_chars(&path), ERR));
     for (char *at = strstr(file.chars, "\nDUET_API "); at; at = strstr(at + 1, "\nDUET_API ")) {
         char *bracket = strchr(at, '('), *begin = bracket, *end = strchr(at, ';');
         while (begin > at && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'))

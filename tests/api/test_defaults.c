@@ -3,7 +3,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 #include "support/devices.h"
 #include "tuner/duet_tune.h"
 

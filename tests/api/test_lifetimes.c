@@ -4,7 +4,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 #include "runtime/opencl/device.h"
 #include "tuner/duet_tune.h"
 

@@ -158,13 +158,6 @@ static duet_result step(duet_world *world)
     return result;
 }
 
-static void refused(const duet_error *err, duet_status status, const char *says)
-{
-    if (err->status != status || !strstr(err->text, says))
-        fail_msg("%s: '%s', not '%s'", duet_status_name(err->status), err->text, says);
-    assert_null(strchr(err->text, '\n'));
-}
-
 // ------------------------------------------------------------ device pairs
 
 TEST(a_pair_holds_what_it_uses_and_lets_all_of_it_go)
@@ -195,7 +188,6 @@ TEST(one_queue_is_a_pair_of_one)
 
 TEST(a_device_without_a_queue_is_opened_by_its_selector)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = "cpu";
     duet_device_pair *pair =
@@ -204,17 +196,15 @@ TEST(a_device_without_a_queue_is_opened_by_its_selector)
     assert_ptr_equal(pair->devices[1].context, own.context);
     duet_device_pair_destroy(pair);
     def.a = "nowhere";
-    assert_null(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "no device 'nowhere'");
-    err = (duet_error){0};
-    assert_null(duet_device_pair_create_on_queues(&def, NULL, NULL, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "queue is NULL");
+    must_fail(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], ERR),
+              DUET_STATUS_BAD_ARGUMENT, "no device 'nowhere'");
+    must_fail(duet_device_pair_create_on_queues(&def, NULL, NULL, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "queue is NULL");
 }
 
 // A profile that was measured on the device by its selector is one for the caller's queue.
 TEST(profiles_are_those_of_the_device)
 {
-    duet_error err = {0};
     cl_device_id root = first_device();
     cl_context context = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
     cl_command_queue queue = clCreateCommandQueue(context, root, 0, NULL);
@@ -222,8 +212,7 @@ TEST(profiles_are_those_of_the_device)
     clReleaseCommandQueue(queue);
     clReleaseContext(context);
     duet_device_pair *named =
-        duet_device_pair_open(duet_device_pair_get_info(pair, 0)->selector, &err);
-    assert_ok(named, err);
+        must(duet_device_pair_open(duet_device_pair_get_info(pair, 0)->selector, ERR));
     duet_device_pair *pairs[] = {pair, named};
     profile_subject subjects[2];
     uint64_t hashes[2];
@@ -416,7 +405,7 @@ TEST(devices_with_memory_of_their_own_find_the_same)
 
 TEST(objects_are_checked_as_the_hosts)
 {
-    duet_error err = {0}, own_err = {0};
+    duet_error own_err;
     duet_result result;
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     duet_world *host = make_world(pair, duet_default_world_def());
@@ -429,19 +418,17 @@ TEST(objects_are_checked_as_the_hosts)
     for (int i = 0; i < 3; ++i) {
         const float kept = *numbers[i];
         *numbers[i] = bad[i];
-        err = own_err = (duet_error){0};
         set_by_buffer(world, g);
         must(duet_world_set_objects(host, g.kind, poses, N, ERR));
-        assert_false(duet_world_step(host, &result, &err));
-        assert_false(duet_world_step(world, &result, &own_err));
-        assert_int_equal(own_err.status, DUET_STATUS_BAD_OBJECT);
-        assert_string_equal(own_err.text, err.text);
+        must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "");
+        own_err = *ERR;
+        must_fail(duet_world_step(host, &result, ERR), DUET_STATUS_BAD_OBJECT, own_err.text);
+        assert_string_equal(ERR->text, own_err.text);
         *numbers[i] = kept;
     }
     // One that outgrows its cells makes the grid be laid anew.
     const float kept = poses[3].half_extents[1];
     poses[3].half_extents[1] = 5.0f;
-    err = (duet_error){0};
     set_by_buffer(world, g);
     must(duet_world_set_objects(host, g.kind, poses, N, ERR));
     assert_true(hash_of(world) == hash_of(host));
@@ -494,7 +481,6 @@ TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
 
 TEST(what_was_waited_for_in_vain_is_told)
 {
-    duet_error err = {0};
     duet_result result;
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
@@ -502,8 +488,8 @@ TEST(what_was_waited_for_in_vain_is_told)
     cl_event gate = clCreateUserEvent(own.context, NULL);
     must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, ERR));
     clSetUserEventStatus(gate, -5);
-    assert_false(duet_world_step(world, &result, &err));
-    refused(&err, DUET_STATUS_DEVICE_FAILED, "an event that the objects wait for has failed");
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_DEVICE_FAILED,
+              "an event that the objects wait for has failed");
     clReleaseEvent(gate);
     clReleaseMemObject(mem);
     duet_world_destroy(world);
@@ -603,7 +589,6 @@ TEST(buffers_come_from_the_context_of_a_pair_without_queues)
 
 TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
 {
-    duet_error err = {0};
     duet_result result;
     duet_pair_buffers buffers;
     duet_device_pair *pair = open_pair(own.queues[0], NULL);
@@ -613,14 +598,13 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
     duet_pair kept[3] = {{1, 2}, {3, 4}, {5, 6}}, now[3];
     cl_mem pairs = make_buffer(kept, sizeof kept, CL_MEM_READ_WRITE);
     must(duet_world_leave_pairs(world, 1, pairs, NULL, ERR));
-    assert_false(duet_world_step(world, &result, &err));
-    refused(&err, DUET_STATUS_TOO_MANY, "the caller's buffer holds 3; expected one of");
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_TOO_MANY,
+              "the caller's buffer holds 3; expected one of");
     assert_int_equal(result.pairs, n);
     clEnqueueReadBuffer(own.queues[0], pairs, CL_TRUE, 0, sizeof now, now, 0, NULL, NULL);
     assert_memory_equal(now, kept, sizeof now);
-    err = (duet_error){0};
-    assert_false(duet_world_get_pair_buffers(world, &buffers, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "no step has left its pairs");
+    must_fail(duet_world_get_pair_buffers(world, &buffers, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "no step has left its pairs");
     clReleaseMemObject(pairs);
     duet_world_destroy(world);
     duet_device_pair_destroy(pair);
@@ -630,7 +614,6 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
 
 TEST(commands_that_wait_for_a_step_see_its_pairs)
 {
-    duet_error err = {0};
     duet_result result;
     duet_pair_buffers buffers;
     cl_event done = NULL;
@@ -639,9 +622,8 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
     cl_ulong read = 0;
-    assert_false(duet_world_step_begin_event(world, &done, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "pairs come to the host");
-    err = (duet_error){0};
+    must_fail(duet_world_step_begin_event(world, &done, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "pairs come to the host");
     must(duet_world_leave_pairs(world, 1, NULL, count, ERR));
     for (int i = 0; i < 3; ++i) {
         read = 0;
@@ -661,15 +643,13 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     poses[5].centre[0] = 1.0f;
     must(duet_world_step_begin_event(world, &done, ERR));
-    assert_false(duet_world_step_end(world, &result, &err));
-    refused(&err, DUET_STATUS_BAD_OBJECT, "object 5 of");
+    must_fail(duet_world_step_end(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 5 of");
     read = 9;
     assert_int_equal(
         clEnqueueReadBuffer(own.queues[1], count, CL_TRUE, 0, sizeof read, &read, 1, &done, NULL),
         CL_SUCCESS);
     assert_int_equal(read, 0);
-    err = (duet_error){0};
-    assert_false(duet_world_get_pair_buffers(world, &buffers, &err));
+    must_fail(duet_world_get_pair_buffers(world, &buffers, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     clReleaseEvent(done);
     clReleaseMemObject(count);
     clReleaseMemObject(mem);
@@ -679,7 +659,6 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
 
 TEST(between_the_halves_of_a_step_nothing_else_is_taken)
 {
-    duet_error err = {0};
     duet_result result;
     duet_pair_buffers buffers;
     duet_profile profile;
@@ -688,39 +667,32 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
-    assert_false(duet_world_step_end(world, &result, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "no step is under way");
+    must_fail(duet_world_step_end(world, &result, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "no step is under way");
     // It is under way as long as its objects are not there.
     cl_event gate = clCreateUserEvent(own.context, NULL);
-    err = (duet_error){0};
     const duet_plan plan = *duet_world_get_plan(world);
     must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, ERR));
     must(duet_world_step_begin(world, ERR));
     assert_null(duet_world_get_plan(world));
     assert_int_equal(duet_world_get_level(world), DUET_LEVEL_CERTIFIED);
-#define REFUSED(call)                                                \
-    do {                                                             \
-        err = (duet_error){0};                                       \
-        assert_false(call);                                          \
-        refused(&err, DUET_STATUS_BAD_ARGUMENT,                      \
-                "is under way; expected duet_world_step_end first"); \
-    } while (0)
-    REFUSED(duet_world_step(world, &result, &err));
-    REFUSED(duet_world_step_begin(world, &err));
-    REFUSED(duet_world_step_begin_event(world, &done, &err));
-    REFUSED(duet_world_map_objects(world, DUET_OBJECT_POSES, N, &err));
-    REFUSED(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, &err));
-    REFUSED(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, &err));
-    REFUSED(duet_world_set_plan(world, &plan, &err));
-    REFUSED(duet_world_set_level(world, DUET_LEVEL_AABB, &err));
-    REFUSED(duet_world_leave_pairs(world, 0, NULL, NULL, &err));
-    REFUSED(duet_world_bring_pairs(world, &err));
-    REFUSED(duet_world_get_pair_buffers(world, &buffers, &err));
-    REFUSED(duet_world_load_profile(world, NULL, &profile, &err));
-    REFUSED(duet_world_explain_profile(world, NULL, &why, &err));
+#define REFUSED(call) \
+    must_fail(call, DUET_STATUS_BAD_ARGUMENT, "is under way; expected duet_world_step_end first")
+    REFUSED(duet_world_step(world, &result, ERR));
+    REFUSED(duet_world_step_begin(world, ERR));
+    REFUSED(duet_world_step_begin_event(world, &done, ERR));
+    REFUSED(duet_world_map_objects(world, DUET_OBJECT_POSES, N, ERR));
+    REFUSED(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
+    REFUSED(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
+    REFUSED(duet_world_set_plan(world, &plan, ERR));
+    REFUSED(duet_world_set_level(world, DUET_LEVEL_AABB, ERR));
+    REFUSED(duet_world_leave_pairs(world, 0, NULL, NULL, ERR));
+    REFUSED(duet_world_bring_pairs(world, ERR));
+    REFUSED(duet_world_get_pair_buffers(world, &buffers, ERR));
+    REFUSED(duet_world_load_profile(world, NULL, &profile, ERR));
+    REFUSED(duet_world_explain_profile(world, NULL, &why, ERR));
     clSetUserEventStatus(gate, CL_COMPLETE);
     clReleaseEvent(gate);
-    err = (duet_error){0};
     must(duet_world_step_end(world, &result, ERR));
     must(duet_world_step_begin(world, ERR));
     duet_world_destroy(world); // which waits
@@ -733,7 +705,6 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
 TEST(states_are_copied_into_a_buffer)
 {
     enum { SOME = 20 };
-    duet_error err = {0};
     duet_motion_result result;
     duet_state states[SOME];
     float rows[SOME][4];
@@ -761,12 +732,11 @@ TEST(states_are_copied_into_a_buffer)
         if (done)
             clReleaseEvent(done);
     }
-    assert_false(duet_motion_copy_states(motion, DUET_STATE_CENTRES, small, 0, NULL, NULL, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "rows has 319 bytes; expected at least 320");
-    err = (duet_error){0};
-    assert_false(
-        duet_motion_copy_states(motion, DUET_STATE_ANGULAR_VELOCITIES, mem, 0, NULL, NULL, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "needs the effect angular_velocity");
+    must_fail(duet_motion_copy_states(motion, DUET_STATE_CENTRES, small, 0, NULL, NULL, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "rows has 319 bytes; expected at least 320");
+    must_fail(
+        duet_motion_copy_states(motion, DUET_STATE_ANGULAR_VELOCITIES, mem, 0, NULL, NULL, ERR),
+        DUET_STATUS_BAD_ARGUMENT, "needs the effect angular_velocity");
     clReleaseMemObject(small);
     clReleaseMemObject(mem);
     duet_motion_destroy(motion);
@@ -777,7 +747,6 @@ TEST(states_are_copied_into_a_buffer)
 
 TEST(what_is_no_fit_buffer_is_refused_by_name)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
@@ -799,11 +768,10 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
                    {unread, "objects cannot be read by devices"},
                    {hidden, "objects cannot be read by the host"}};
     for (size_t i = 0; i < sizeof objects / sizeof *objects; ++i) {
-        err = (duet_error){0};
-        assert_false(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, objects[i].objects, 2,
-                                                   0, NULL, &err));
-        refused(&err, DUET_STATUS_BAD_ARGUMENT, objects[i].says);
-        assert_non_null(strstr(err.text, "duet_world_set_objects_buffer: "));
+        must_fail(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, objects[i].objects, 2, 0,
+                                                NULL, ERR),
+                  DUET_STATUS_BAD_ARGUMENT, objects[i].says);
+        assert_non_null(strstr(ERR->text, "duet_world_set_objects_buffer: "));
     }
     const struct {
         cl_mem pairs, count;
@@ -815,25 +783,18 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
                    {NULL, tiny, "count has 4 bytes; expected at least 8"},
                    {small, unwritten, "count cannot be written by devices"}};
     for (size_t i = 0; i < sizeof outputs / sizeof *outputs; ++i) {
-        err = (duet_error){0};
-        assert_false(duet_world_leave_pairs(world, 0, outputs[i].pairs, outputs[i].count, &err));
-        refused(&err, DUET_STATUS_BAD_ARGUMENT, outputs[i].says);
+        must_fail(duet_world_leave_pairs(world, 0, outputs[i].pairs, outputs[i].count, ERR),
+                  DUET_STATUS_BAD_ARGUMENT, outputs[i].says);
     }
-    err = (duet_error){0};
-    assert_false(duet_world_leave_pairs(world, 2, NULL, NULL, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "device is 2; expected 0 for A, 1 for B");
-    err = (duet_error){0};
-    assert_false(
-        duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, unwritten, 2, 1, &event, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "event 0 of 1 is of another context");
-    err = (duet_error){0};
-    assert_false(
-        duet_world_set_objects_buffer(world, DUET_OBJECT_BOUNDS, unwritten, 2, 0, NULL, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "the world was made for poses, not for bounds");
-    err = (duet_error){0};
+    must_fail(duet_world_leave_pairs(world, 2, NULL, NULL, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "device is 2; expected 0 for A, 1 for B");
+    must_fail(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, unwritten, 2, 1, &event, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "event 0 of 1 is of another context");
+    must_fail(duet_world_set_objects_buffer(world, DUET_OBJECT_BOUNDS, unwritten, 2, 0, NULL, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "the world was made for poses, not for bounds");
     def.cookie = 0;
-    assert_null(duet_device_pair_create_on_queues(&def, own.queues[0], NULL, &err));
-    refused(&err, DUET_STATUS_BAD_ARGUMENT, "begins with duet_default_device_pair_def");
+    must_fail(duet_device_pair_create_on_queues(&def, own.queues[0], NULL, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "begins with duet_default_device_pair_def");
     duet_world_destroy(world);
     duet_device_pair_destroy(pair);
     cl_mem mems[] = {foreign, small, tiny, unread, unwritten, hidden};

@@ -9,6 +9,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -62,7 +63,7 @@ TEST(a_program_on_the_same_core_disturbs_a_launch)
     pid_t burner = burn();
     uint64_t ns = 400000000;
     work(&ns); // others are looked at over a while
-    core_watch_start(w);
+    core_watch_start(w, 1);
     uint64_t begun = clock_steady_ns(), worked = 200000000;
     work(&worked);
     uint64_t took = clock_steady_ns() - begun;
@@ -80,6 +81,85 @@ TEST(a_program_on_the_same_core_disturbs_a_launch)
     sched_setaffinity(0, sizeof all, &all);
 }
 
+// Pieces of work that threads take as they come.
+typedef struct pieces {
+    atomic_int left;
+    unsigned core[2]; // of each thread
+    atomic_int begun;
+    atomic_bool seen; // a thread that ended is in no table
+} pieces;
+
+static void *take_pieces(void *of)
+{
+    static const uint64_t piece = 100000;
+    pieces *p = of;
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(p->core[atomic_fetch_add(&p->begun, 1)], &one);
+    sched_setaffinity(0, sizeof one, &one);
+    while (atomic_fetch_sub(&p->left, 1) > 0)
+        work(&(uint64_t){piece});
+    while (!atomic_load(&p->seen))
+        clock_sleep_ns(1000000);
+    return NULL;
+}
+
+// The other one does its work, and runs all the time.
+TEST(a_thread_that_waits_for_work_that_comes_loses_it)
+{
+    cpu_set_t all;
+    unsigned n = 0;
+    pieces p = {.left = 3000};
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    for (unsigned core = 0; core < CPU_SETSIZE && n < 2; ++core)
+        if (CPU_ISSET(core, &all))
+            p.core[n++] = core;
+    core_watch *w = core_watch_open();
+    if (!w || n < 2)
+        skip();
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(p.core[0], &one);
+    pid_t burner = burn();
+    must(sched_setaffinity(burner, sizeof one, &one) == 0);
+    pthread_t threads[2];
+    core_watch_start(w, 2);
+    for (int i = 0; i < 2; ++i)
+        assert_int_equal(pthread_create(&threads[i], NULL, take_pieces, &p), 0);
+    while (atomic_load(&p.left) > 0)
+        clock_sleep_ns(1000000);
+    core_use use = core_watch_stop(w);
+    atomic_store(&p.seen, true);
+    for (int i = 0; i < 2; ++i)
+        pthread_join(threads[i], NULL);
+    kill(burner, SIGKILL);
+    waitpid(burner, NULL, 0);
+    core_watch_close(w);
+    assert_true(use.disturbed);
+}
+
+// What other programs have is known only after a while, and the launch has more threads than cores.
+TEST(a_program_disturbs_the_first_launch_too)
+{
+    cpu_set_t all = keep_one_core();
+    pid_t burner = burn();
+    core_watch *w = core_watch_open();
+    pthread_t other;
+    uint64_t ns = 10000000, longer = 100000000;
+    core_watch_start(w, 1);
+    assert_int_equal(pthread_create(&other, NULL, work, &longer), 0);
+    work(&ns);
+    core_use use = core_watch_stop(w);
+    pthread_join(other, NULL);
+    kill(burner, SIGKILL);
+    waitpid(burner, NULL, 0);
+    sched_setaffinity(0, sizeof all, &all);
+    core_watch_close(w);
+    if (!w)
+        skip();
+    assert_true(use.disturbed);
+}
+
 // It is not on the way of the launch.
 TEST(a_thread_that_waits_while_another_works_loses_nothing)
 {
@@ -89,7 +169,7 @@ TEST(a_thread_that_waits_while_another_works_loses_nothing)
     cpu_set_t all = keep_one_core();
     pthread_t other;
     uint64_t little = 1000, much = 100000000;
-    core_watch_start(w);
+    core_watch_start(w, 1);
     assert_int_equal(pthread_create(&other, NULL, work, &little), 0);
     uint64_t begun = clock_steady_ns();
     work(&much);
@@ -103,7 +183,7 @@ TEST(a_thread_that_waits_while_another_works_loses_nothing)
 
 TEST(nobody_watching_sees_nothing)
 {
-    core_watch_start(NULL);
+    core_watch_start(NULL, 1);
     core_use use = core_watch_stop(NULL);
     assert_false(use.disturbed);
     assert_int_equal(use.cpu_ns, 0);

@@ -5,9 +5,8 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text_file.h"
+#include "base/text.h"
 #include "base/visible.h"
-#include "runtime/duet.h"
 #include "support/program.h"
 #include "support/store.h"
 

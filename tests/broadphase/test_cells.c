@@ -140,13 +140,11 @@ TEST(objects_that_take_turns_keep_their_grids)
 
 TEST(a_word_for_cells_that_there_is_not_is_refused)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     strcpy(def.plan.variant_b, "simd cells=both");
-    assert_null(duet_world_create(&def, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_string_equal(err.text, "variant: cells=both is not possible; expected free or fixed");
+    must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "variant: cells=both is not possible; expected free or fixed");
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -270,10 +270,9 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
     duet_world *world = duet_world_create(&def, &err);
     if (!world)
         fail_msg("%s: %s", plan->variant_b, err.text);
-    assert_ok(s->shape == DUET_SHAPE_POSES
-                  ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, s->n, &err)
-                  : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, s->n, &err),
-              err);
+    must(s->shape == DUET_SHAPE_POSES
+             ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, s->n, ERR)
+             : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, s->n, ERR));
     return world;
 }
 

@@ -140,12 +140,10 @@ TEST(turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened)
     def.rotated = true;
     def.cell_fixed = true;
     scatter(500, &r, 0, 10, 0.5);
-    duet_error err = {0};
     duet_result result;
     duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 500, ERR));
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_CELL_TOO_SMALL);
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_CELL_TOO_SMALL, "");
     def.cell_fixed = false;
     assert_true(agreement_check(&def, poses, 500) > 0);
 }
@@ -349,18 +347,13 @@ TEST(one_nan_among_thousands_changes_nothing_else)
     duet_world_def def = def_of(3);
     scatter(3000, &r, 0, 12, 0.5);
     poses[1234].centre[1] = 1e9f;
-    duet_error err = {0};
     duet_result clean, kept;
     duet_world *world = open_world(&def, 3000);
     must(duet_world_step(world, &clean, ERR));
     uint64_t pairs = clean.pairs, hash = duet_result_get_hash(&clean);
     poses[1234].centre[1] = NAN;
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 3000, ERR));
-    assert_false(duet_world_step(world, &kept, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "1234"));
-
-    err = (duet_error){0};
+    must_fail(duet_world_step(world, &kept, ERR), DUET_STATUS_BAD_OBJECT, "1234");
     def.keep_bad = true;
     world = open_world(&def, 3000);
     must(duet_world_step(world, &kept, ERR));
@@ -381,12 +374,9 @@ TEST(each_kind_of_bad_pose_is_named)
         bad->half_extents[1] = kind == 2 ? -1 : kind == 3 ? NAN : 0.5f;
         bad->rotation[3] = kind == 4 ? 0 : kind == 5 ? NAN : 1;
         duet_world_def def = def_of(3);
-        duet_error err = {0};
         duet_result result;
         duet_world *world = open_world(&def, 10);
-        assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        assert_non_null(strstr(err.text, "object 7"));
+        must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 7");
     }
 }
 
@@ -397,13 +387,10 @@ TEST(bounds_with_lower_above_upper_are_named)
     bounds[4].lower[1] = 2;
     duet_world_def def = def_of(3);
     def.shape = DUET_SHAPE_BOUNDS;
-    duet_error err = {0};
     duet_result result;
     duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, 10, ERR));
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "object 4"));
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 4");
 }
 
 // ------------------------------------------------------------ what must not count
@@ -509,7 +496,6 @@ TEST(crowds_of_hard_pairs_are_decided_as_the_reference_does)
 TEST(cells_that_fit_the_world_tightly_hold_their_objects)
 {
     enum { N = 101, ROUNDS = 40 };
-    duet_error err = {0};
     duet_world_def def = def_of(2);
     double edge = sqrt(2.0) * (1.0 + 0x1p-16 + 100 * 0x1p-21);
     for (int round = 0; round < ROUNDS; ++round) {
@@ -519,9 +505,8 @@ TEST(cells_that_fit_the_world_tightly_hold_their_objects)
             poses[i].rotation[2] = 0.38268343f; // 45 degrees
             poses[i].rotation[3] = 0.92387953f;
         }
-        duet_world *world = duet_world_create(&def, &err);
+        duet_world *world = must(duet_world_create(&def, ERR));
         duet_result result;
-        assert_ok(world != NULL, err);
         must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
         must(duet_world_step(world, &result, ERR));
         duet_world_destroy(world);

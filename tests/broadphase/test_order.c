@@ -89,7 +89,7 @@ static double number_of_cells(const duet_world *world)
 // Two of more cells than there are keys are one along each axis, or four.
 static uint64_t key_of(const duet_world *world, uint32_t id)
 {
-    const grid_objects objects = world_objects(world);
+    const grid_objects objects = world->objects;
     const cl_int *cells = world->grid.levels[0].cells.s;
     uint64_t along[3] = {(uint64_t)cells[0], (uint64_t)cells[1], (uint64_t)cells[2]};
     uint32_t cell[3];
@@ -241,11 +241,7 @@ TEST(threads_find_what_one_finds_of_a_grid_s_needs)
         memcpy(poses[i].rotation, (const float[]){0, 0, 0, 1}, sizeof poses[i].rotation);
     }
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-        grid_objects objects = {.array = poses,
-                                .row_bytes = sizeof *poses,
-                                .shape = DUET_SHAPE_POSES,
-                                .n = numbers[i],
-                                .dims = 3};
+        grid_objects objects = {.dims = 3, .all = {poses, sizeof *poses, numbers[i], 0}};
         grid_needs one = {0}, all = {0};
         grid_needs_of(&one, &objects, NULL);
         grid_needs_of(&all, &objects, threads);
@@ -548,12 +544,10 @@ TEST(a_step_leaves_its_counts_at_zero_for_the_next_one)
     for (int i = 0; i < 3; ++i)
         assert_counts_from_zero(world, N - i, none);
     assert_counts_from_zero(world, N / 4, none); // another grid, of fewer cells
-    duet_error err = {0};
     for (uint32_t i = 0; i < N; ++i)
         poses[4 * N - 1 - i].centre[0] = 1.0f; // a crowd
     set_poses(world, 4 * N);
-    assert_false(duet_world_step(world, &(duet_result){0}, &err));
-    assert_int_equal(err.status, DUET_STATUS_TOO_MANY);
+    must_fail(duet_world_step(world, &(duet_result){0}, ERR), DUET_STATUS_TOO_MANY, "");
     assert_counts_from_zero(world, N, both);
     assert_counts_from_zero(world, N, none);
 }
@@ -711,12 +705,11 @@ enum { BLOCKS = 100, OWN = BLOCKS / 2 };
 // Slabs of 100 blocks in order, cut behind so many objects, with 3 blocks of ghosts.
 static void begin_ranges_behind(input_ranges *s, uint32_t homes, bool expected_new)
 {
-    const grid g = {.generation = 1};
     const part_range slabs[2] = {
         {.key_to = 530, .home_to = 500, .homes = homes, .expected_ghosts = 3000},
         {.key_from = 500, .key_to = 1000, .home_to = 1000}};
     const input_ranges before = *s;
-    must(input_ranges_begin(s, &g, BLOCKS * INPUT_BLOCK, slabs, ERR));
+    must(input_ranges_begin(s, BLOCKS * INPUT_BLOCK, slabs, ERR));
     assert_int_equal(memcmp(&before, s, sizeof before) != 0, expected_new);
 }
 
@@ -822,14 +815,11 @@ TEST(a_bad_object_is_named_wherever_it_strays)
     poses[N - 2].centre[0] = INFINITY;
     poses[40].half_extents[0] = -1.0f;
     for (int s = 0; s < SHARES; ++s) {
-        duet_error err = {0};
         duet_result result;
         set_share(world, shares[s]);
         set_poses(world, N);
-        assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        assert_non_null(strstr(err.text, "object 40 "));
-        assert_non_null(strstr(err.text, "3 such objects"));
+        must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 40 ");
+        assert_non_null(strstr(ERR->text, "3 such objects"));
     }
 }
 

@@ -276,7 +276,6 @@ TEST(bad_objects_are_counted_once_and_the_first_is_named)
 TEST(a_bad_object_that_is_packed_is_refused_by_its_id)
 {
     enum { N = 2003 };
-    duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
     set_memory(false, false);
@@ -285,15 +284,12 @@ TEST(a_bad_object_that_is_packed_is_refused_by_its_id)
     duet_world_def def = world_def(3, "gpu send=packed");
     duet_world *world = make_world(&def);
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "object 1234 of 2003"));
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 1234 of 2003");
 }
 
 TEST(a_device_without_room_fails_the_step_and_not_the_next)
 {
     enum { N = 5003 };
-    duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
     set_memory(false, false);
@@ -305,12 +301,10 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
         uint64_t before = *most;
         must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
         *most = 8192;
-        assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_STATUS_NO_MEMORY);
+        must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_NO_MEMORY, "");
         *most = before;
         result = step(world);
         assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
-        err = (duet_error){0};
     }
 }
 

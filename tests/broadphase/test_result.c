@@ -6,7 +6,6 @@
 #include "support/test.h"
 
 #include "runtime/broadphase/part.h"
-#include "runtime/duet.h"
 
 #include <sys/mman.h>
 

@@ -200,7 +200,6 @@ TEST(touching_spheres_of_a_lattice_collide)
 TEST(bad_radii_are_named)
 {
     const float bad[] = {-1.0f, NAN, INFINITY};
-    duet_error err = {0};
     duet_result result;
     rng r = rng_seed(test_seed());
     for (int i = 0; i < SCENES; i += 3) {
@@ -210,26 +209,18 @@ TEST(bad_radii_are_named)
         for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
             boxes[17].radius = spheres[17].radius = bad[k];
             must(set_objects(world, &scenes[i], ERR));
-            assert_false(duet_world_step(world, &result, &err));
-            assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-            assert_non_null(strstr(err.text, "17"));
-            err = (duet_error){0};
+            must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "17");
         }
     }
 }
 
 static void refuse(duet_world_def def, const char *why)
 {
-    duet_error err = {0};
-    assert_null(duet_world_create(&def, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    if (!strstr(err.text, why))
-        fail_msg("'%s' says nothing of '%s'", err.text, why);
+    must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, why);
 }
 
 TEST(what_knows_no_radii_says_so)
 {
-    duet_error err = {0};
     duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
     duet_world_def other = def;
     other.separate_sizes = true;
@@ -245,18 +236,18 @@ TEST(what_knows_no_radii_says_so)
     duet_tree_def tree = duet_default_tree_def();
     tree.pair = devices;
     duet_world *world = kept(duet_world_create(&def, ERR));
-    assert_false(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, &err));
-    assert_string_equal(err.text, "the world was made for spheres, not for poses");
-    err = (duet_error){0};
+    must_fail(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "the world was made for spheres, not for poses");
     duet_scene *made = kept(duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, ERR));
     duet_motion_def motion = duet_scene_motion_def(made, devices);
     motion.wants = DUET_EFFECT_CONTACT;
     duet_motion *m = kept(duet_motion_create_from_scene(&motion, made, NULL, ERR));
     tree.shape = DUET_SHAPE_POSES;
     duet_tree *of_bodies = kept(duet_tree_create(&tree, ERR));
-    assert_false(duet_tree_set_motion(of_bodies, m, &err));
-    assert_string_equal(err.text, "the motion's bodies have radii; the tree is of poses, expected "
-                                  "one of rounded boxes");
+    must_fail(duet_tree_set_motion(of_bodies, m, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "the motion's bodies have radii; the tree is of poses, expected "
+                                   "one of rounded boxes");
 }
 
 TEST_MAIN(open_devices, close_devices)

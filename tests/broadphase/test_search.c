@@ -5,7 +5,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 #include "runtime/scene/reference.h"
 
 #include <inttypes.h>

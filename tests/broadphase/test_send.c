@@ -228,7 +228,6 @@ static void change_ids(global_ids *ids, rng *r)
         without[ids->n_without++] = i;
         changed[ids->n_changed++] = i;
     }
-    ids->all_changed = false;
 }
 
 static duet_world *make_counting_world(void)
@@ -257,7 +256,7 @@ TEST(pairs_of_objects_with_ids_are_counted_where_they_are_found)
                    : k % 4 == 1 ? UINT64_C(5) << 32 | k
                                 : UINT64_MAX - 1 - k;
     }
-    global_ids ids = {.list = names, .without = without, .changed = changed, .all_changed = true};
+    global_ids ids = {.list = names, .without = without, .changed = changed};
     for (int at = 0; at < ROUNDS; ++at) {
         bool more = homes[at] > ids.n;
         ids.n = homes[at];
@@ -266,7 +265,8 @@ TEST(pairs_of_objects_with_ids_are_counted_where_they_are_found)
             change_ids(&ids, &r);
         else
             ids.n_changed = 0;
-        ids.all_changed = at == 0 || more;
+        if (at == 0 || more)
+            ids.n_changed = ALL_IDS_CHANGED;
         set_share(world, at % 5 == 3 ? DUET_SHARE_ONE : at % 5 == 4 ? 0 : DUET_SHARE_ONE / 2);
         for (uint32_t i = 0; i < ids.n_without; ++i)
             if (without[i] >= ids.n)
@@ -282,7 +282,7 @@ TEST(undecided_pairs_are_counted_once)
     fill_touching();
     for (uint32_t i = 0; i < TOUCHING; ++i)
         names[i] = i;
-    global_ids ids = {.list = names, .n = TOUCHING - 10, .all_changed = true};
+    global_ids ids = {.list = names, .n = TOUCHING - 10, .n_changed = ALL_IDS_CHANGED};
     set_share(world, 0);
     for (int at = 0; at < 2; ++at)
         assert_true(count_step(world, &ids, TOUCHING).undecided > 1024);

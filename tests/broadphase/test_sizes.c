@@ -210,20 +210,16 @@ TEST(what_has_no_rotation_has_no_compact_one)
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_transform t = {{0}, {0}};
         duet_compact_transform c;
-        duet_error err = {0};
         memcpy(t.rotation, wrong[i], sizeof t.rotation);
-        assert_false(duet_compact_transform_set(&c, &t, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+        must_fail(duet_compact_transform_set(&c, &t, ERR), DUET_STATUS_BAD_OBJECT, "");
     }
     // The same pose in a compact world is a bad object of the step.
     compact = true;
-    duet_error err = {0};
     duet_result result;
     duet_world *world = make_world(3, DUET_MODE_OWN, "gpu");
     const duet_pose still = {.half_extents = {1, 1, 1}};
-    assert_ok(duet_world_set_objects(world, DUET_OBJECT_POSES, &still, 1, &err), err);
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, &still, 1, ERR));
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "");
     compact = false;
 }
 
@@ -244,8 +240,7 @@ TEST(sizes_are_sent_once)
     map_transforms(world, CAPACITY);
     assert_step_is_the_reference(world, CAPACITY);
     assert_true(duet_world_map_objects(world, DUET_OBJECT_SIZES, CAPACITY, &err) == sizes);
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "");
 }
 
 TEST(poses_are_taken_apart)
@@ -281,7 +276,6 @@ TEST(what_float_leaves_open_is_decided)
 
 TEST(bad_sizes_are_named)
 {
-    duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
     fill(&r, CAPACITY, 3);
@@ -292,33 +286,27 @@ TEST(bad_sizes_are_named)
         duet_world *world = make_world(3, DUET_MODE_SLAB, host ? "simd" : "gpu");
         map_transforms(world, CAPACITY);
         map_sizes(world, CAPACITY);
-        assert_false(duet_world_step(world, &result, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        assert_non_null(strstr(err.text, "object 77 of 3000"));
-        assert_non_null(strstr(err.text, "(2 such objects)"));
-        err = (duet_error){0};
+        must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT,
+                  "object 77 of 3000");
+        assert_non_null(strstr(ERR->text, "(2 such objects)"));
     }
 }
 
 TEST(as_many_sizes_as_transforms)
 {
-    duet_error err = {0};
     duet_result result;
     rng r = {test_seed()};
     fill(&r, CAPACITY, 3);
     tell_of_memory(true);
     duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
     map_transforms(world, 10);
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_string_equal(err.text, "10 objects have a transform and 0 a size; expected as "
-                                  "many of each");
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "10 objects have a transform and 0 a size; expected as "
+                                   "many of each");
     duet_profile profile;
-    err = (duet_error){0};
-    assert_false(duet_world_load_profile(world, "test_sizes.none.db", &profile, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(duet_world_load_profile(world, "test_sizes.none.db", &profile, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
     map_sizes(world, 10);
-    err = (duet_error){0};
     must(duet_world_load_profile(world, "test_sizes.none.db", &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_step_is_the_reference(world, 10);
@@ -326,12 +314,10 @@ TEST(as_many_sizes_as_transforms)
 
 static void assert_has_no_sizes(duet_world *world)
 {
-    duet_error err = {0};
     duet_result result;
-    assert_false(duet_world_step(world, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_string_equal(err.text, "10 objects have a transform and 0 a size; expected as "
-                                  "many of each");
+    must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "10 objects have a transform and 0 a size; expected as "
+                                   "many of each");
     map_sizes(world, 10);
     assert_step_is_the_reference(world, 10);
 }
@@ -367,7 +353,6 @@ TEST(sizes_without_memory_are_none)
 
 TEST(sizes_that_were_not_fetched_are_none)
 {
-    duet_error err = {0};
     cl_int code = CL_SUCCESS;
     duet_world *world = make_world_of_ten();
     cl_context context = devices->devices[1].context;
@@ -376,8 +361,8 @@ TEST(sizes_that_were_not_fetched_are_none)
     cl_event failed = clCreateUserEvent(context, &code);
     assert_int_equal(code, CL_SUCCESS);
     assert_int_equal(clSetUserEventStatus(failed, -1), CL_SUCCESS);
-    assert_false(
-        duet_world_set_objects_buffer(world, DUET_OBJECT_SIZES, mem, 10, 1, &failed, &err));
+    must_fail(duet_world_set_objects_buffer(world, DUET_OBJECT_SIZES, mem, 10, 1, &failed, ERR),
+              DUET_STATUS_DEVICE_FAILED, "");
     assert_has_no_sizes(world);
     clReleaseEvent(failed);
     clReleaseMemObject(mem);
@@ -385,16 +370,12 @@ TEST(sizes_that_were_not_fetched_are_none)
 
 static void refuse(duet_world_def def, const char *why)
 {
-    duet_error err = {0};
     def.separate_sizes = true;
-    assert_null(duet_world_create(&def, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, why));
+    must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, why);
 }
 
 TEST(only_what_has_sizes_has_them_apart)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     duet_world_def other = def;
@@ -407,12 +388,13 @@ TEST(only_what_has_sizes_has_them_apart)
     strcpy(other.plan.variant_b, "paper");
     refuse(other, "the paper's search knows no sizes apart");
     duet_world *world = make_world(3, DUET_MODE_OWN, "simd");
-    assert_null(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, &err));
-    assert_string_equal(err.text, "the world was made for transforms, not for poses");
-    err = (duet_error){0};
+    must_fail(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "");
+    assert_string_equal(ERR->text, "the world was made for transforms, not for poses");
     world = kept(duet_world_create(&def, ERR));
-    assert_null(duet_world_map_objects(world, DUET_OBJECT_SIZES, 1, &err));
-    assert_string_equal(err.text, "the world was made for poses, not for sizes");
+    must_fail(duet_world_map_objects(world, DUET_OBJECT_SIZES, 1, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "");
+    assert_string_equal(ERR->text, "the world was made for poses, not for sizes");
 }
 
 TEST_MAIN(begin, close_devices)

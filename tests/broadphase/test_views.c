@@ -50,7 +50,7 @@ static void fill_set(rng *r, int s, uint32_t n)
 
 static const void *rows_of(const duet_world *world, int s)
 {
-    return world->kind == DUET_OBJECT_POSES ? (const void *)sets[s].poses : sets[s].bounds;
+    return world->objects.kind == DUET_OBJECT_POSES ? (const void *)sets[s].poses : sets[s].bounds;
 }
 
 // ------------------------------------------------------------ ways
@@ -58,7 +58,7 @@ static const void *rows_of(const duet_world *world, int s)
 static void set_copy(duet_world *world, rng *r, int s)
 {
     (void)r;
-    must(duet_world_set_objects(world, world->kind, rows_of(world, s), sets[s].n, ERR));
+    must(duet_world_set_objects(world, world->objects.kind, rows_of(world, s), sets[s].n, ERR));
 }
 
 static uint32_t n_prefetched, n_listed, n_in_ranges;
@@ -66,20 +66,19 @@ static uint32_t n_prefetched, n_listed, n_in_ranges;
 // The first objects are sent while the others are written, unless that is stopped.
 static void prefetch(duet_world *world, rng *r, int s)
 {
-    duet_error err = {0};
-    const size_t row = world_kind_bytes(world->kind);
+    const size_t row = world_kind_bytes(world->objects.kind);
     const uint32_t n = sets[s].n, first = 1 + rng_below(r, n);
-    char *to = duet_world_map_objects(world, world->kind, n, &err);
-    to = to ? duet_world_map_objects(world, world->kind, first, &err) : NULL;
-    assert_ok(to != NULL, err);
+    must(duet_world_map_objects(world, world->objects.kind, n, ERR));
+    char *to = must(duet_world_map_objects(world, world->objects.kind, first, ERR));
     memcpy(to, rows_of(world, s), first * row);
     world_prefetch(world, first);
     for (int side = 0; side < 2; ++side)
-        n_prefetched += view_is_prefetched(&world->parts[side].objects, world->objects_generation);
+        n_prefetched +=
+            view_is_prefetched(&world->parts[side].objects, world->objects.all.generation);
     if (rng_below(r, 4) == 0)
         world_cancel_prefetch(world);
-    assert_null(world_extend_objects(world, world->kind, 3 * MOST));
-    assert_ptr_equal(world_extend_objects(world, world->kind, n), to);
+    assert_null(world_extend_objects(world, world->objects.kind, 3 * MOST));
+    assert_ptr_equal(world_extend_objects(world, world->objects.kind, n), to);
     memcpy(to + first * row, (const char *)rows_of(world, s) + first * row, (n - first) * row);
 }
 
@@ -87,12 +86,12 @@ static void prefetch(duet_world *world, rng *r, int s)
 static void put_in_buffer(duet_world *world, rng *r, int s)
 {
     cl_int code = CL_SUCCESS;
-    const size_t bytes = sets[s].n * world_kind_bytes(world->kind);
+    const size_t bytes = sets[s].n * world_kind_bytes(world->objects.kind);
     cl_mem mem = clCreateBuffer(devices->devices[rng_below(r, 2)].context,
                                 CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes,
                                 (void *)(uintptr_t)rows_of(world, s), &code);
     assert_int_equal(code, CL_SUCCESS);
-    must(duet_world_set_objects_buffer(world, world->kind, mem, sets[s].n, 0, NULL, ERR));
+    must(duet_world_set_objects_buffer(world, world->objects.kind, mem, sets[s].n, 0, NULL, ERR));
     clReleaseMemObject(mem);
 }
 
@@ -149,7 +148,7 @@ static duet_result step(duet_world *world, int s, const char *way, uint32_t p)
 {
     duet_result result;
     must(duet_world_step(world, &result, ERR));
-    if (duet_result_get_hash(&result) != sets[s].hashes[world->kind != DUET_OBJECT_POSES])
+    if (duet_result_get_hash(&result) != sets[s].hashes[world->objects.kind != DUET_OBJECT_POSES])
         fail_msg("objects %s, plan %u ('%s', '%s'), share %u, %s: %llu pairs are not the "
                  "reference's",
                  way, p, plans[p].variants[0], plans[p].variants[1], world->def.plan.share,

@@ -8,11 +8,9 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/output.h"
 #include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/sql.h"
-#include "runtime/duet.h"
 #include "runtime/opencl/cache.h"
 #include "support/store.h"
 

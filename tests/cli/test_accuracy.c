@@ -5,8 +5,7 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
-#include "runtime/duet.h"
+#include "base/text.h"
 
 #include <cjson/cJSON.h>
 #include <string.h>

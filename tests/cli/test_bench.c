@@ -5,7 +5,7 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
+#include "base/text.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>

@@ -12,7 +12,6 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -117,13 +116,12 @@ TEST(a_checkpoint_that_is_cut_short_is_refused)
 {
     char hash[32];
     double steps;
-    duet_error err = {0};
     rng r = rng_seed(test_seed());
     get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
     text file = test_read_file(SAVED);
     for (int i = 0; i < 3; ++i) {
         size_t length = 16 + rng_below(&r, (uint32_t)file.length - 16);
-        assert_ok(text_write_file("cut.motion", file.chars, length, &err), err);
+        must(text_write_file("cut.motion", file.chars, length, ERR));
         program p = program_run(RUN " --resume cut.motion");
         program_assert_refused(&p, 1, "cut short or damaged");
     }

@@ -9,7 +9,6 @@
 #include "base/text_file.h"
 #include "gen/card.h"
 #include "lua/session.h"
-#include "runtime/duet.h"
 #include "tuner/tune_config.h"
 
 #include <stdio.h>

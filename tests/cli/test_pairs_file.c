@@ -6,11 +6,9 @@
 
 #include "base/npy.h"
 #include "base/text_file.h"
-#include "runtime/duet.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <string.h>
 
 #define TOUCHING "0 0 0 .5 .5 .5 0 0 0 1   1 0 0 .5 .5 .5 0 0 0 1\n"
 #define APART "0,0,0,.5,.5,.5,0,0,0,1, 0,2,0,.5,.5,.5,0,0,1,0\n"
@@ -86,23 +84,20 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
          "pairs.csv:2: pair 1 has 10 numbers, where those before it have 20"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        duet_error err = {0};
         test_write_file("pairs.csv", wrong[i].text);
-        assert_null(duet_scene_load_pairs("pairs.csv", &err));
-        assert_string_equal(err.text, wrong[i].says);
+        must_fail(duet_scene_load_pairs("pairs.csv", ERR), ANY_FAILURE, "");
+        assert_string_equal(ERR->text, wrong[i].says);
     }
     remove("pairs.csv");
-    duet_error err = {0};
     test_write_file("pairs.lua", "return {}");
-    assert_null(duet_scene_load_pairs("pairs.lua", &err));
-    assert_string_equal(err.text, "pairs.lua: pairs are read from .npy or text");
+    must_fail(duet_scene_load_pairs("pairs.lua", ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "pairs.lua: pairs are read from .npy or text");
 }
 
 // ------------------------------------------------------------ writing
 
 TEST(arrays_are_written_as_numpy_reads_them)
 {
-    duet_error err = {0};
     const uint8_t answers[3] = {1, 0, 1};
     must(npy_write("answers.npy", NPY_UINT8, answers, 3, ERR));
     text bytes = test_read_file("answers.npy");
@@ -120,8 +115,8 @@ TEST(arrays_are_written_as_numpy_reads_them)
     assert_memory_equal(bytes.chars + 128, separations, 16);
     text_free(&bytes);
     remove("answers.npy");
-    assert_false(npy_write("no/such/folder/v.npy", NPY_UINT8, answers, 3, &err));
-    assert_non_null(strstr(err.text, "no/such/folder/v.npy: cannot be written"));
+    must_fail(npy_write("no/such/folder/v.npy", NPY_UINT8, answers, 3, ERR), DUET_STATUS_IO_FAILED,
+              "no/such/folder/v.npy: cannot be written");
 }
 
 // ------------------------------------------------------------ the program

@@ -101,6 +101,24 @@ TEST(show_gives_a_profile_with_its_trials)
     assert_refused(&folder, "show ''", 2, "3 profiles begin with ''");
 }
 
+TEST(a_profile_that_was_measured_beside_others_is_told_as_such)
+{
+    test_folder folder = make_store();
+    char arguments[64], note[96];
+    program quiet = run_on(&folder, "list");
+    assert_null(strstr(quiet.out, "waited for a core"));
+    test_store_run(folder.store,
+                   "UPDATE profile SET watched = 430, disturbed = 300 WHERE id = 1");
+    cJSON *o = run_json(&folder, "list --json");
+    const cJSON *first = cJSON_GetArrayItem(json_array(o, "profiles", 2), 0);
+    assert_int_equal(json_number(first, "disturbed"), 300);
+    snprintf(note, sizeof note, "\n%.8s: 300 of 430 launches waited for a core\n",
+             json_string(first, "uid"));
+    assert_prints(&folder, "list", note);
+    snprintf(arguments, sizeof arguments, "show %s", json_string(first, "uid"));
+    assert_prints(&folder, arguments, "quiet     300 of 430 launches waited for a core");
+}
+
 // The store's third profile is dead, of 250 000 objects.
 TEST(a_stored_profile_is_compared_put_to_use_and_forgotten)
 {

@@ -4,8 +4,6 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include "runtime/duet.h"
-
 #include <cjson/cJSON.h>
 #include <signal.h>
 #include <stdio.h>

@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
+#include "profiles/sql.h"
 #include "profiles/store.h"
 
 #include <stdio.h>
@@ -29,6 +30,7 @@ static int make_store(void **state)
     profile_workload workload = test_workload(100000);
     workload.name = "<b>boxes</b> & more";
     test_tune(s, &pair, &workload);
+    must(sql_script(s, "UPDATE profile SET watched = 400, disturbed = 300", ERR));
     store_close(s);
     static const char results[] =
         "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":\"then\","
@@ -85,6 +87,7 @@ TEST(the_page_shows_profile_search_stages_and_history)
                                       "work on A.",
                                       "On first and second.",
                                       "data-head=\"gain, %\"",
+                                      "data-head=\"waited, %\">75<",
                                       "<h2>What the words mean</h2>",
                                       "1.25 ms</text>"};
     for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)

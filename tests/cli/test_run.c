@@ -6,7 +6,6 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
-#include "runtime/duet.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -241,10 +241,9 @@ static text draw_on_ridge(double height, double x, double y)
         "return { dims = 3, wants = { 'contact' },\n"
         "         heights = { nx = 9, ny = 9, spacing = 2, origin = { -8, -8, 0 }, values = values "
         "} }\n";
-    duet_error err = {0};
     char given[sizeof scene + 64];
     int n = snprintf(given, sizeof given, scene, height, x, y);
-    assert_ok(text_write_file(BALL, given, (size_t)n, &err), err);
+    must(text_write_file(BALL, given, (size_t)n, ERR));
     program p = program_run("run --steps 1 --picture " PICTURE " " BALL);
     if (p.exit_code != 0)
         fail_msg("run: %s", p.err);

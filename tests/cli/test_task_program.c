@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // duet run --task and duet tune --task, as a person calls them.
 #define _POSIX_C_SOURCE 200809L
-#include "support/devices.h"
 #include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"

@@ -581,12 +581,8 @@ TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
         static tune_config config;
-        duet_error err = {0};
         test_write_file(CONFIG, rows[i].content);
-        assert_false(tune_config_load(&config, CONFIG, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
-        if (!strstr(err.text, rows[i].says))
-            fail_msg("'%s' is not in: %s", rows[i].says, err.text);
+        must_fail(tune_config_load(&config, CONFIG, ERR), DUET_STATUS_BAD_INPUT, rows[i].says);
     }
 }
 

@@ -65,38 +65,38 @@ static duet_body_list only(const uint64_t *id)
 static void push(duet_motion *m, uint64_t id)
 {
     const duet_impulse impulse = {.impulse = {0, 2, 0}};
-    assert_ok(duet_motion_apply_impulses(m, only(&id), &impulse, &err), err);
+    must(duet_motion_apply_impulses(m, only(&id), &impulse, ERR));
 }
 
 static void pull(duet_motion *m, uint64_t id)
 {
     const duet_force force = {.force = {0, 0, 6}};
-    assert_ok(duet_motion_apply_forces(m, only(&id), &force, &err), err);
+    must(duet_motion_apply_forces(m, only(&id), &force, ERR));
 }
 
 static void make_slippery(duet_motion *m, uint64_t id)
 {
     const duet_body body = {.friction = 0};
-    assert_ok(duet_motion_set_bodies(m, only(&id), DUET_BODY_FRICTION, &body, &err), err);
+    must(duet_motion_set_bodies(m, only(&id), DUET_BODY_FRICTION, &body, ERR));
 }
 
 static void let_fall(duet_motion *m, uint64_t id)
 {
     const duet_body body = {.group = 1, .mask = 0};
-    assert_ok(duet_motion_set_bodies(m, only(&id), DUET_BODY_FILTER, &body, &err), err);
+    must(duet_motion_set_bodies(m, only(&id), DUET_BODY_FILTER, &body, ERR));
 }
 
 static void let_grow(duet_motion *m, uint64_t id)
 {
     duet_state state;
     const uint32_t place = (uint32_t)id;
-    assert_ok(duet_motion_get_states_of(m, &place, 1, &state, &err), err);
+    must(duet_motion_get_states_of(m, &place, 1, &state, ERR));
     duet_pose pose = {.half_extents = {0.5f, 0.5f, 0.5625f}};
     for (int k = 0; k < 3; ++k)
         pose.centre[k] = (float)state.centre[k];
     for (int k = 0; k < 4; ++k)
         pose.rotation[k] = (float)state.rotation[k];
-    assert_ok(duet_motion_set_poses(m, only(&id), &pose, &err), err);
+    must(duet_motion_set_poses(m, only(&id), &pose, ERR));
 }
 
 static void exchange(duet_motion *m, uint64_t id)
@@ -106,9 +106,9 @@ static void exchange(duet_motion *m, uint64_t id)
     const duet_body body = duet_default_body();
     duet_motion_result result;
     uint64_t fresh;
-    assert_ok(duet_motion_remove_bodies(m, only(&id), &err), err);
-    assert_ok(duet_motion_advance(m, &result, &err), err);
-    assert_ok(duet_motion_add_bodies(m, &pose, &body, 1, &fresh, &err), err);
+    must(duet_motion_remove_bodies(m, only(&id), ERR));
+    must(duet_motion_advance(m, &result, ERR));
+    must(duet_motion_add_bodies(m, &pose, &body, 1, &fresh, ERR));
     assert_true(fresh == (UINT64_C(1) << 32 | id));
 }
 
@@ -122,21 +122,19 @@ static void exchange_and_push(duet_motion *m, uint64_t id)
 static void record(const char *scene_path, const char *path, command *give, uint32_t at,
                    uint64_t id)
 {
-    duet_scene *scene = duet_scene_load(scene_path, NULL, 0, &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(duet_scene_load(scene_path, NULL, 0, ERR));
     duet_motion_def def = duet_scene_motion_def(scene, pair);
-    duet_motion *m = duet_motion_create_from_scene(&def, scene, NULL, &err);
-    assert_ok(m, err);
-    assert_ok(duet_motion_record(m, &err), err);
+    duet_motion *m = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
+    must(duet_motion_record(m, ERR));
     while (duet_motion_get_step(m) < STEPS) {
         duet_motion_result result;
         if (give && duet_motion_get_step(m) + 1 == at) {
             give(m, id);
             give = NULL;
         }
-        assert_ok(duet_motion_advance(m, &result, &err), err);
+        must(duet_motion_advance(m, &result, ERR));
     }
-    assert_ok(duet_motion_save_recording(m, path, &err), err);
+    must(duet_motion_save_recording(m, path, ERR));
     duet_motion_destroy(m);
     duet_scene_destroy(scene);
 }
@@ -267,7 +265,7 @@ static void forge(text *file, size_t at, char by, size_t length, bool summed)
         uint64_t sum = text_checksum(file->chars, length - 8);
         memcpy(file->chars + length - 8, &sum, 8);
     }
-    assert_ok(text_write_file(ALTERED, file->chars, length, &err), err);
+    must(text_write_file(ALTERED, file->chars, length, ERR));
     file->chars[at] = (char)(file->chars[at] ^ by);
 }
 

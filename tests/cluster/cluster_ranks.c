@@ -86,14 +86,12 @@ static uint64_t hash_of(const crowd *c)
 // By rank 0, for all of the job.
 static void find_expected(crowd *c)
 {
-    duet_error err = {0};
     duet_free(c->pairs);
     c->pairs = NULL;
     if (rank == 0) {
-        duet_scene *scene = duet_scene_create(kind_of(c), objects_of(c), c->n, c->world.dims,
-                                              c->world.origin_edge, &err);
-        MUST_OK(scene, err);
-        MUST_OK(duet_reference(scene, c->world.level, &c->pairs, &c->n_pairs, &err), err);
+        duet_scene *scene = must(duet_scene_create(kind_of(c), objects_of(c), c->n, c->world.dims,
+                                                   c->world.origin_edge, ERR));
+        must(duet_reference(scene, c->world.level, &c->pairs, &c->n_pairs, ERR));
         duet_scene_destroy(scene);
     }
     MPI_Bcast(&c->n_pairs, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
@@ -192,22 +190,18 @@ static uint32_t n_parts = 1; // parts of the clusters that are opened
 
 static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, double weight)
 {
-    duet_error err = {0};
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = comm;
     def.world = *world;
     def.plain = true;
     def.weight = weight;
     def.parts = n_parts;
-    duet_cluster *c = duet_cluster_create(&def, &err);
-    MUST_OK(c, err);
-    return c;
+    return must(duet_cluster_create(&def, ERR));
 }
 
 // Each object is some rank's to bring, at random: `salt` says whose.
 static void hand_over(duet_cluster *cluster, const crowd *c, uint64_t first_id, uint32_t salt)
 {
-    duet_error err = {0};
     object_form form = object_form_of(&c->world);
     uint64_t ids[MOST_OBJECTS];
     unsigned char *rows = malloc((size_t)MOST_OBJECTS * form.bytes);
@@ -222,15 +216,14 @@ static void hand_over(duet_cluster *cluster, const crowd *c, uint64_t first_id, 
         memcpy(rows + (size_t)n++ * form.bytes,
                (const char *)objects_of(c) + (size_t)k * form.bytes, form.bytes);
     }
-    MUST_OK(duet_cluster_set_objects(cluster, kind_of(c), ids, rows, n, &err), err);
+    must(duet_cluster_set_objects(cluster, kind_of(c), ids, rows, n, ERR));
     free(rows);
 }
 
 static duet_cluster_result step(duet_cluster *cluster)
 {
-    duet_error err = {0};
     duet_cluster_result result;
-    MUST_OK(duet_cluster_step(cluster, &result, &err), err);
+    must(duet_cluster_step(cluster, &result, ERR));
     return result;
 }
 
@@ -245,13 +238,33 @@ static void must_find(duet_cluster *cluster, const crowd *c)
     }
 }
 
-static void must_fail(bool ok, const duet_error *err, duet_status status, const char *says)
+// ---------------------------------------------------------------- facts
+
+static void on_ranks(int n, void (*fact)(MPI_Comm *comm))
 {
-    MUST(!ok && err->status == status && strstr(err->text, says) && !strchr(err->text, '\n'),
-         err->text);
+    MPI_Comm comm = group_of(n);
+    if (comm == MPI_COMM_NULL)
+        return;
+    fact(&comm);
+    MPI_Comm_free(&comm);
 }
 
-// ---------------------------------------------------------------- facts
+// Of a cluster of n ranks that has none of the crowd's objects yet: poses in 3D.
+typedef void crowd_fact(duet_cluster *cluster, const crowd *c, MPI_Comm comm, rng *r);
+
+static void on_crowd(int n, uint64_t seed, double weight, crowd_fact *fact)
+{
+    static crowd c;
+    rng r = rng_seed(seed);
+    make_crowd(&c, &r, 3);
+    MPI_Comm comm = group_of(n);
+    if (comm == MPI_COMM_NULL)
+        return;
+    duet_cluster *cluster = open_cluster(&comm, &c.world, weight);
+    fact(cluster, &c, comm, &r);
+    duet_cluster_destroy(cluster);
+    MPI_Comm_free(&comm);
+}
 
 static void random_crowds_have_the_same_pairs(uint64_t seed)
 {
@@ -284,13 +297,11 @@ typedef struct shipped {
 
 static void must_have_the_pairs_of(const shipped *s)
 {
-    duet_error err = {0};
     uint64_t expected[3] = {0}; // objects, pairs and their hash
     if (rank == 0) {
         duet_pair *pairs = NULL;
-        duet_scene *scene = duet_scene_load(s->name, s->settings, 3, &err);
-        MUST_OK(scene, err);
-        MUST_OK(duet_reference(scene, s->level, &pairs, &expected[1], &err), err);
+        duet_scene *scene = must(duet_scene_load(s->name, s->settings, 3, ERR));
+        must(duet_reference(scene, s->level, &pairs, &expected[1], ERR));
         expected[0] = duet_scene_get_info(scene)->n;
         expected[2] = duet_pairs_hash(pairs, expected[1]);
         duet_free(pairs);
@@ -303,8 +314,8 @@ static void must_have_the_pairs_of(const shipped *s)
             continue;
         duet_world_def world = duet_default_world_def();
         duet_cluster *cluster = open_cluster(&comm, &world, 1);
-        MUST_OK(duet_cluster_load_scene(cluster, s->name, s->settings, 3, &err), err);
-        MUST_OK(duet_cluster_set_level(cluster, s->level, &err), err);
+        must(duet_cluster_load_scene(cluster, s->name, s->settings, 3, ERR));
+        must(duet_cluster_set_level(cluster, s->level, ERR));
         duet_cluster_result result = step(cluster);
         if (result.pairs != expected[1] || result.hash != expected[2])
             end_job("the pairs are the reference's", __FILE__, __LINE__, s->name);
@@ -340,51 +351,41 @@ static const char other_scene[] =
     "return { dims = p.flat and 2 or 3 }\n";
 
 // The file of one rank is another one.
-static void objects_of_other_kinds_are_refused(void)
+static void objects_of_other_kinds_are_refused(MPI_Comm *comm)
 {
     static const duet_setting settings[] = {{"n", "90"}, {"flat", "true"}};
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
     duet_world_def world = duet_default_world_def();
-    duet_cluster *c = open_cluster(&comm, &world, 1);
-    duet_error err = {0};
+    duet_cluster *c = open_cluster(comm, &world, 1);
     if (rank == 1)
-        MUST_OK(text_write_file("other.lua", other_scene, sizeof other_scene - 1, &err), err);
+        must(text_write_file("other.lua", other_scene, sizeof other_scene - 1, ERR));
     for (uint32_t is_flat = 0; is_flat < 2; ++is_flat) {
         const char *path = rank == 1 ? "other.lua" : "grains";
-        err = (duet_error){0};
-        must_fail(duet_cluster_load_scene(c, path, settings, 1 + (rank == 1 ? is_flat : 0), &err),
-                  &err, DUET_STATUS_BAD_INPUT, "objects of another kind here than on other ranks");
+        must_fail(duet_cluster_load_scene(c, path, settings, 1 + (rank == 1 ? is_flat : 0), ERR),
+                  DUET_STATUS_BAD_INPUT, "objects of another kind here than on other ranks");
     }
     if (rank == 1)
         remove("other.lua");
     duet_cluster_destroy(c);
-    MPI_Comm_free(&comm);
 }
 
 static duet_cluster_result step_of_scene(duet_cluster *cluster, const shipped *s)
 {
-    duet_error err = {0};
-    MUST_OK(duet_cluster_load_scene(cluster, s->name, s->settings, 3, &err), err);
-    MUST_OK(duet_cluster_set_level(cluster, s->level, &err), err);
+    must(duet_cluster_load_scene(cluster, s->name, s->settings, 3, ERR));
+    must(duet_cluster_set_level(cluster, s->level, ERR));
     return step(cluster);
 }
 
 // Memory of a step is used again in the next, but for rows of another size.
-static void scenes_of_other_rows_may_follow(void)
+static void scenes_of_other_rows_may_follow(MPI_Comm *comm)
 {
     static const shipped poses = {
         "paper", {{"n", "900"}, {"world", "18"}, {"seed", "1"}}, DUET_LEVEL_DOUBLE};
     static const shipped large = {
         "cluster_ranks.lua", {{"n", "800"}, {"seed", "4"}, {"n", "800"}}, DUET_LEVEL_CERTIFIED};
-    MPI_Comm comm = group_of(2);
-    if (comm == MPI_COMM_NULL)
-        return;
     for (uint32_t k = 1; k < 4; k += 2) {
         n_parts = k;
         duet_world_def world = duet_default_world_def();
-        duet_cluster *a = open_cluster(&comm, &world, 1), *b = open_cluster(&comm, &world, 1);
+        duet_cluster *a = open_cluster(comm, &world, 1), *b = open_cluster(comm, &world, 1);
         n_parts = 1;
         step_of_scene(a, &poses);
         duet_cluster_result follows = step_of_scene(a, &large), first = step_of_scene(b, &large);
@@ -394,15 +395,12 @@ static void scenes_of_other_rows_may_follow(void)
         duet_cluster_destroy(a);
         duet_cluster_destroy(b);
     }
-    MPI_Comm_free(&comm);
 }
 
 static void scenes_have_the_same_pairs(void)
 {
-    duet_error err = {0};
     if (rank == 0)
-        MUST_OK(text_write_file("cluster_ranks.lua", mixed_scene, sizeof mixed_scene - 1, &err),
-                err);
+        must(text_write_file("cluster_ranks.lua", mixed_scene, sizeof mixed_scene - 1, ERR));
     MPI_Barrier(MPI_COMM_WORLD);
     static const shipped scenes[] = {
         {"paper", {{"n", "900"}, {"world", "18"}, {"giants", "2"}}, DUET_LEVEL_CERTIFIED},
@@ -427,8 +425,8 @@ static void scenes_have_the_same_pairs(void)
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         must_have_the_pairs_of(&scenes[i]);
-    scenes_of_other_rows_may_follow();
-    objects_of_other_kinds_are_refused();
+    on_ranks(2, scenes_of_other_rows_may_follow);
+    on_ranks(3, objects_of_other_kinds_are_refused);
     MPI_Barrier(MPI_COMM_WORLD);
     if (rank == 0)
         remove("cluster_ranks.lua");
@@ -454,11 +452,9 @@ static void move_crowd(crowd *c, uint32_t at)
 static void move_owned(duet_cluster *cluster, const crowd *c)
 {
     object_form form = object_form_of(&c->world);
-    duet_error err = {0};
     const uint64_t *ids;
     uint32_t n;
-    unsigned char *own = duet_cluster_map_owned(cluster, kind_of(c), &ids, &n, &err);
-    MUST_OK(own, err);
+    unsigned char *own = must(duet_cluster_map_owned(cluster, kind_of(c), &ids, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         memcpy(own + i * form.bytes, row_of(c, ids[i]), form.bytes);
 }
@@ -474,7 +470,6 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
     duet_cluster *clusters[N_GROUPS] = {NULL};
     MPI_Comm comms[N_GROUPS];
     for (int g = 0; g < N_GROUPS; ++g) {
-        duet_error err = {0};
         comms[g] = group_of(groups[g]);
         if (comms[g] == MPI_COMM_NULL)
             continue;
@@ -482,7 +477,7 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
         clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
         n_parts = 1;
         hand_over(clusters[g], &c, 0, 7);
-        MUST_OK(g != ROUNDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, &err), err);
+        must(g != ROUNDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, ERR));
     }
     uint64_t left = 0, n_runs = 0;
     for (uint32_t at = 0; at < 200; ++at) {
@@ -490,13 +485,12 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
             move(c.poses[id].centre, id, at);
         find_expected(&c);
         for (int g = 0; g < N_GROUPS; ++g) {
-            duet_error err = {0};
             const uint64_t *ids;
             uint32_t n;
             if (!clusters[g])
                 continue;
-            duet_pose *own = duet_cluster_map_owned(clusters[g], DUET_OBJECT_POSES, &ids, &n, &err);
-            MUST_OK(own, err);
+            duet_pose *own =
+                must(duet_cluster_map_owned(clusters[g], DUET_OBJECT_POSES, &ids, &n, ERR));
             for (uint32_t i = 0; i < n; ++i)
                 move(own[i].centre, ids[i], at);
             must_find(clusters[g], &c);
@@ -519,10 +513,9 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
 // By the pairs that each rank hands out, when it is asked.
 static void must_list(duet_cluster *cluster, const duet_cluster_result *result, MPI_Comm comm)
 {
-    duet_error err = {0};
     const duet_pair64 *own;
     uint64_t n, sums[2];
-    MUST_OK(duet_cluster_get_own_pairs(cluster, &own, &n, &err), err);
+    must(duet_cluster_get_own_pairs(cluster, &own, &n, ERR));
     MUST(n == cluster->last.pairs, "as many as were counted");
     sums[0] = n;
     sums[1] = 0;
@@ -548,16 +541,14 @@ static uint64_t count_brought(const duet_cluster *cluster)
 
 static void give_share(duet_cluster *cluster, uint32_t share)
 {
-    duet_error err = {0};
     duet_plan plan = cluster->def.world.plan;
     plan.share = share;
-    MUST_OK(duet_cluster_set_plan(cluster, &plan, &err), err);
+    must(duet_cluster_set_plan(cluster, &plan, ERR));
 }
 
 // The last rank's devices have no such variant, and another share is none that all take.
 static void must_keep_plans(duet_cluster *cluster, int n)
 {
-    duet_error err = {0};
     worker *w = cluster->workers[0];
     duet_plan before = w->plan(w), other = before;
     char says[32];
@@ -565,8 +556,8 @@ static void must_keep_plans(duet_cluster *cluster, int n)
     if (rank == n - 1)
         snprintf(other.variant_a, sizeof other.variant_a, "abacus");
     snprintf(says, sizeof says, n > 1 ? "rank %d on " : "abacus", n - 1);
-    must_fail(duet_cluster_set_plan(cluster, &other, &err), &err, DUET_STATUS_BAD_ARGUMENT, says);
-    MUST(strstr(err.text, "abacus"), err.text);
+    must_fail(duet_cluster_set_plan(cluster, &other, ERR), DUET_STATUS_BAD_ARGUMENT, says);
+    MUST(strstr(ERR->text, "abacus"), ERR->text);
     duet_plan after = w->plan(w);
     MUST(after.share == before.share && strcmp(after.variant_a, before.variant_a) == 0 &&
              cluster->def.world.plan.share != other.share,
@@ -576,13 +567,12 @@ static void must_keep_plans(duet_cluster *cluster, int n)
 // The last rank cannot open a world for it.
 static void must_keep_objects(duet_cluster *cluster, int n)
 {
-    duet_error err = {0};
     duet_cluster_result before = step(cluster);
     duet_plan *plan = &cluster->def.world.plan, right = *plan;
     if (rank == n - 1)
         snprintf(plan->variant_a, sizeof plan->variant_a, "abacus");
-    must_fail(duet_cluster_load_scene(cluster, "paper2d", NULL, 0, &err), &err,
-              DUET_STATUS_BAD_ARGUMENT, "abacus");
+    must_fail(duet_cluster_load_scene(cluster, "paper2d", NULL, 0, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "abacus");
     *plan = right;
     MUST(!duet_cluster_get_scene_info(cluster), "there is no scene");
     duet_cluster_result after = step(cluster);
@@ -604,24 +594,21 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
             find_expected(&c);
         return;
     }
-    duet_error err = {0};
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = &comm;
     def.world = c.world;
-    def.world.pair = duet_device_pair_create(&pair_def, &err);
-    MUST_OK(def.world.pair, err);
+    def.world.pair = must(duet_device_pair_create(&pair_def, ERR));
     def.world.pair->devices[0].info.host_memory = false;
     def.world.pair->devices[1].info.host_memory = rank == 2; // one counts, and the other does not
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
+    duet_cluster *cluster = must(duet_cluster_create(&def, ERR));
     hand_over(cluster, &c, first, 7);
     uint64_t counted = 0, brought = 0, gone = 0;
     for (uint32_t at = 0; at < 32; ++at) {
         const uint64_t *ids;
         uint32_t n_owned;
-        duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n_owned, &err);
-        MUST_OK(own, err);
+        duet_pose *own =
+            must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n_owned, ERR));
         for (uint32_t id = at % 16; id < c.n; id += 16) // few, so that few ids change places
             move(c.poses[id].centre, id, at);
         for (uint32_t i = 0; i < n_owned; ++i)
@@ -665,7 +652,6 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
     make_crowd(&c, &r, crowd_at);
     MPI_Comm comm = group_of(2);
     duet_cluster *cluster = NULL;
-    duet_error err = {0};
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = &comm;
@@ -674,12 +660,10 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
     def.parts = k;
     def.drops_pairs = true;
     if (comm != MPI_COMM_NULL) {
-        def.world.pair = duet_device_pair_create(&pair_def, &err);
-        MUST_OK(def.world.pair, err);
+        def.world.pair = must(duet_device_pair_create(&pair_def, ERR));
         for (int i = 0; i < 2; ++i)
             def.world.pair->devices[i].info.host_memory = rank == 1;
-        cluster = duet_cluster_create(&def, &err);
-        MUST_OK(cluster, err);
+        cluster = must(duet_cluster_create(&def, ERR));
         hand_over(cluster, &c, 0, 7);
     }
     for (uint32_t at = 0; at < 12; ++at) {
@@ -732,10 +716,9 @@ static void objects_that_are_dealt_anew_change_nothing(uint64_t seed)
         hand_over(cluster, &c, 0, 5);
         must_find(cluster, &c);
         for (int at = 0; at < 40; ++at) {
-            duet_error err = {0};
             const uint64_t *ids;
             uint32_t n;
-            MUST_OK(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err), err);
+            must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, ERR));
             least = n < least ? n : least;
             most = n > most ? n : most;
             deal_anew(cluster, comm, false, &r);
@@ -868,31 +851,21 @@ static void *extend_by_nothing(worker *w, uint32_t n, uint32_t kept, duet_error 
 
 // One rank has no memory for its owned objects at first: later its objects lie like those of the
 // others.
-static void objects_go_on_after_one_rank_had_no_memory(void)
+static void objects_go_on_after_one_rank_had_no_memory(duet_cluster *cluster, const crowd *c,
+                                                       MPI_Comm comm, rng *r)
 {
-    static crowd c;
-    duet_error err = {0};
     duet_cluster_result result;
-    rng r = rng_seed(17);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
     worker *w = cluster->workers[0];
     cluster->migration.imbalance = 1e9; // the cut stays as it is made here
-    hand_over(cluster, &c, 0, 5);
+    hand_over(cluster, c, 0, 5);
     extend_in_truth = w->extend;
     w->extend = rank == 1 ? extend_by_nothing : w->extend;
-    MUST(!duet_cluster_step(cluster, &result, &err) && err.status == DUET_STATUS_NO_MEMORY,
-         "no memory on rank 1");
+    must_fail(duet_cluster_step(cluster, &result, ERR), DUET_STATUS_NO_MEMORY, "rank 1 on ");
     w->extend = extend_in_truth;
     for (int at = 0; at < 5; ++at) {
-        deal_anew(cluster, comm, false, &r);
-        must_find(cluster, &c);
+        deal_anew(cluster, comm, false, r);
+        must_find(cluster, c);
     }
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 static bool (*find_in_truth)(worker *, const global_ids *, worker_found *, duet_error *);
@@ -905,61 +878,39 @@ static bool find_some_times(worker *w, const global_ids *ids, worker_found *foun
 }
 
 // Whichever part it fails in, ghosts leave the places of the owned objects behind it.
-static void a_search_that_fails_leaves_objects_as_they_were(void)
+static void a_search_that_fails_leaves_objects_as_they_were(duet_cluster *cluster, const crowd *c,
+                                                            MPI_Comm comm, rng *r)
 {
-    static crowd c;
-    duet_error err = {0};
+    (void)comm, (void)r;
     duet_cluster_result result;
-    rng r = rng_seed(18);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(2);
-    if (comm == MPI_COMM_NULL)
-        return;
-    n_parts = 5;
-    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
-    n_parts = 1;
-    hand_over(cluster, &c, 0, 5);
+    hand_over(cluster, c, 0, 5);
     find_in_truth = cluster->workers[0]->find;
     for (int at = 0; at < 5; ++at) {
         for (int i = 0; i < 2; ++i)
             cluster->workers[i]->find = rank == 1 ? find_some_times : find_in_truth;
         finds_left = at;
-        err = (duet_error){0};
-        MUST(!duet_cluster_step(cluster, &result, &err) && err.status == DUET_STATUS_DEVICE_FAILED,
-             "a device failed");
+        must_fail(duet_cluster_step(cluster, &result, ERR), DUET_STATUS_DEVICE_FAILED, "");
         for (int i = 0; i < 2; ++i)
             cluster->workers[i]->find = find_in_truth;
-        must_find(cluster, &c);
+        must_find(cluster, c);
     }
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // Objects that moved away from the cut are cut anew.
-static void a_cut_that_became_uneven_is_made_anew(void)
+static void a_cut_that_became_uneven_is_made_anew(duet_cluster *cluster, const crowd *c,
+                                                  MPI_Comm comm, rng *r)
 {
-    static crowd c;
-    rng r = rng_seed(5);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(4);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
-    hand_over(cluster, &c, 0, 1);
-    must_find(cluster, &c);
-    duet_error err = {0};
+    (void)comm, (void)r;
+    hand_over(cluster, c, 0, 1);
+    must_find(cluster, c);
     const uint64_t *ids;
     uint32_t n;
-    duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
-    MUST_OK(own, err);
+    duet_pose *own = must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         own[i].centre[0] = (float)(1000 + (double)ids[i]);
     step(cluster);
-    own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
-    MUST_OK(own, err);
+    own = must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, ERR));
     MUST(n > 70 && n < 80, "a quarter of 300 objects");
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 static int n_moves;
@@ -971,35 +922,26 @@ static void count_move(worker *w)
 }
 
 // A rank's grid follows its objects once they have left where it lies, and not each step.
-static void grids_follow_objects_that_travel(void)
+static void grids_follow_objects_that_travel(duet_cluster *cluster, const crowd *c, MPI_Comm comm,
+                                             rng *r)
 {
-    static crowd c;
-    rng r = rng_seed(12);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(1);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    (void)comm, (void)r;
     cluster->workers[0]->forget_grids = count_move;
-    hand_over(cluster, &c, 0, 1);
+    hand_over(cluster, c, 0, 1);
     step(cluster);
     int before = n_moves;
     MUST(before > 0, "what is new has moved");
     extent box = cluster->owned.around;
     float little = (float)((box.upper[0] - box.lower[0]) / 18);
     for (int at = 1; at <= 12; ++at) {
-        duet_error err = {0};
         const uint64_t *ids;
         uint32_t n;
-        duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
-        MUST_OK(own, err);
+        duet_pose *own = must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, ERR));
         for (uint32_t i = 0; i < n; ++i)
             own[i].centre[0] += little;
         step(cluster);
         MUST(n_moves - before == at / 5, "past each quarter of the width");
     }
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // Parts and their grids stay while owned objects do, and are made anew once owned objects crowd.
@@ -1024,12 +966,10 @@ static void parts_stay_while_they_are_even(void)
         find_expected(&c);
         if (!cluster)
             continue;
-        duet_error err = {0};
         const uint64_t *ids;
         uint32_t n;
         int before = n_moves;
-        duet_pose *own = duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, &err);
-        MUST_OK(own, err);
+        duet_pose *own = must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, ERR));
         for (uint32_t i = 0; i < n; ++i)
             own[i] = c.poses[ids[i]];
         for (int i = 0; i < 2; ++i)
@@ -1055,10 +995,9 @@ static void ranks_get_objects_by_their_weights(void)
     static const uint64_t due[] = {75, 75, 150};
     duet_cluster *cluster = open_cluster(&comm, &c.world, weights[rank]);
     duet_cluster_rank rows[3];
-    duet_error err = {0};
     hand_over(cluster, &c, 0, 1);
     duet_cluster_result result = step(cluster);
-    MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
+    must(duet_cluster_get_ranks(cluster, rows, ERR));
     uint64_t objects = 0, pairs = 0;
     for (int q = 0; q < 3; ++q) {
         MUST(rows[q].objects + 2 >= due[q] && rows[q].objects <= due[q] + 2, "its part");
@@ -1084,26 +1023,21 @@ static bool some_profile(worker *w, const char *path, duet_profile *profile, due
     return true;
 }
 
-static void ranks_are_weighed_by_their_stored_times(void)
+static void ranks_are_weighed_by_their_stored_times(duet_cluster *cluster, const crowd *c,
+                                                    MPI_Comm comm, rng *r)
 {
-    static crowd c;
-    rng r = rng_seed(6);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = asked = open_cluster(&comm, &c.world, 0);
+    (void)comm, (void)r;
+    asked = cluster;
     duet_cluster_rank rows[3];
     duet_profile profile;
-    duet_error err = {0};
     cluster->workers[0]->load_profile = some_profile;
-    hand_over(cluster, &c, 0, 1);
-    MUST_OK(duet_cluster_load_profile(cluster, "not of rank 0", &profile, NULL, &err), err);
+    hand_over(cluster, c, 0, 1);
+    must(duet_cluster_load_profile(cluster, "not of rank 0", &profile, NULL, ERR));
     MUST(owned_count(&cluster->owned) > 97 && owned_count(&cluster->owned) < 103,
          "alike while one is not known");
-    MUST_OK(duet_cluster_load_profile(cluster, NULL, &profile, NULL, &err), err);
-    must_find(cluster, &c);
-    MUST_OK(duet_cluster_get_ranks(cluster, rows, &err), err);
+    must(duet_cluster_load_profile(cluster, NULL, &profile, NULL, ERR));
+    must_find(cluster, c);
+    must(duet_cluster_get_ranks(cluster, rows, ERR));
     double most_ms = 0, speeds = 0;
     for (int q = 0; q < 3; ++q) {
         double ms = 1 + (q == 0 ? 0.3 : 0.1) * (double)rows[q].objects;
@@ -1111,8 +1045,6 @@ static void ranks_are_weighed_by_their_stored_times(void)
         speeds += (double)rows[q].objects / ms;
     }
     MUST(most_ms < 1.05 * MOST_OBJECTS / speeds, "the first step takes what their speeds sum to");
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // The first of three ranks takes three times as long for each of its objects: it gets fewer, once
@@ -1132,41 +1064,31 @@ static bool find_slowly(worker *w, const global_ids *ids, worker_found *found, d
     return find_pairs(w, ids, found, err);
 }
 
-static void ranks_that_prove_slow_get_fewer_objects(void)
+static void ranks_that_prove_slow_get_fewer_objects(duet_cluster *cluster, const crowd *c,
+                                                    MPI_Comm comm, rng *r)
 {
-    static crowd c;
-    rng r = rng_seed(6);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = asked = open_cluster(&comm, &c.world, 0);
+    (void)r;
+    asked = cluster;
     uint64_t (*now_ns)(void) = ranks_now_ns;
     ranks_now_ns = tell_ns;
     find_pairs = cluster->workers[0]->find;
     cluster->workers[0]->find = find_slowly;
-    hand_over(cluster, &c, 0, 1);
-    must_find(cluster, &c);
+    hand_over(cluster, c, 0, 1);
+    must_find(cluster, c);
     uint64_t n = owned_count(&cluster->owned);
     MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
     MUST(n > 97 && n < 103, "alike at first");
     for (int at = 0; at < 160; ++at)
-        must_find(cluster, &c);
+        must_find(cluster, c);
     n = owned_count(&cluster->owned);
     MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
     MUST(n > 40 && n < 47, "3 : 1 : 1 in speed is 43 of 300 objects");
     ranks_now_ns = now_ns;
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // Processors that several ranks may use are divided among these.
-static void each_rank_has_its_part_of_the_processors(void)
+static void each_rank_has_its_part_of_the_processors(MPI_Comm *comm)
 {
-    MPI_Comm comm = group_of(2);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_error err = {0};
     cpu_set_t all, own;
     CPU_ZERO(&own);
     MUST(sched_getaffinity(0, sizeof all, &all) == 0, "affinity");
@@ -1175,26 +1097,21 @@ static void each_rank_has_its_part_of_the_processors(void)
             CPU_SET(i, &own); // the first for rank 0, and another one for rank 1
     MUST(sched_setaffinity(0, sizeof own, &own) == 0, "affinity");
     ranks of_two;
-    MUST_OK(ranks_begin(&of_two, &comm, NULL, &err), err);
+    must(ranks_begin(&of_two, comm, NULL, ERR));
     double shared = 1.0 / of_two.n_on_host, expected = shared + CPU_COUNT(&own) - 1;
     MUST(fabs(of_two.processors - expected) < 1e-9, "the first one is shared");
     ranks_end(&of_two);
     MUST(sched_setaffinity(0, sizeof all, &all) == 0, "affinity");
-    MPI_Comm_free(&comm);
 }
 
 // Small differences are no reason for a cut, nor are steps that were slow once; and weights that
 // were given stay.
-static void a_cut_must_pay(void)
+static void a_cut_must_pay(MPI_Comm *comm)
 {
-    MPI_Comm comm = group_of(2);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_error err = {0};
     ranks of_two;
     partition c;
-    MUST_OK(ranks_begin(&of_two, &comm, NULL, &err) && ranks_reserve(&of_two, &err), err);
-    MUST_OK(partition_begin(&c, &of_two, 0, &err), err);
+    must(ranks_begin(&of_two, comm, NULL, ERR) && ranks_reserve(&of_two, ERR));
+    must(partition_begin(&c, &of_two, 0, ERR));
     balance b;
     balance_begin(&b, rank == 0 ? 50 : 100);
     for (int at = 0; at < 800; ++at)
@@ -1209,7 +1126,6 @@ static void a_cut_must_pay(void)
     MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their speeds");
     partition_end(&c);
     ranks_end(&of_two);
-    MPI_Comm_free(&comm);
 }
 
 // A giant as wide as the world touches objects of all ranks; it travels and they do not.
@@ -1253,10 +1169,9 @@ static void large_ids_have_one_hash(void)
         hand_over(cluster, &c, first, 3);
         duet_cluster_result result = step(cluster);
         MUST(result.pairs == c.n_pairs && result.hash == expected, "the hash of large ids");
-        duet_error err = {0};
         const duet_pair64 *own;
         uint64_t n;
-        MUST_OK(duet_cluster_get_own_pairs(cluster, &own, &n, &err), err);
+        must(duet_cluster_get_own_pairs(cluster, &own, &n, ERR));
         MUST(n == cluster->last.pairs, "as many as were counted");
         for (uint64_t i = 0; i < n; ++i)
             MUST(own[i].a >= first && own[i].a < own[i].b, "global ids, a < b");
@@ -1269,8 +1184,7 @@ static void large_ids_have_one_hash(void)
 
 static void read_file(text *t, const char *path)
 {
-    duet_error err = {0};
-    MUST_OK(text_read_file(t, path, &err), err);
+    must(text_read_file(t, path, ERR));
 }
 
 static void sorted_pairs_are_the_same_bytes(void)
@@ -1282,19 +1196,18 @@ static void sorted_pairs_are_the_same_bytes(void)
     make_crowd(&c, &r, 3);
     MUST(c.n_pairs > 100, "a file worth writing");
     for (int g = 0; g < N_GROUPS; ++g) {
-        duet_error err = {0};
         MPI_Comm comm = group_of(groups[g]);
         if (comm == MPI_COMM_NULL)
             continue;
         duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
         hand_over(cluster, &c, 0, 3);
         step(cluster);
-        MUST_OK(duet_cluster_save_pairs(cluster, path, false, &err), err);
+        must(duet_cluster_save_pairs(cluster, path, false, ERR));
         text unsorted = {0}, now = {0};
         if (rank == 0)
             read_file(&unsorted, path);
         MPI_Barrier(comm);
-        MUST_OK(duet_cluster_save_pairs(cluster, path, true, &err), err);
+        must(duet_cluster_save_pairs(cluster, path, true, ERR));
         if (rank == 0) {
             read_file(&now, path);
             MUST(unsorted.length == now.length, "as many pairs unsorted");
@@ -1321,78 +1234,63 @@ static void sorted_pairs_are_the_same_bytes(void)
 
 // ---------------------------------------------------------------- failures
 
-static void a_failure_is_that_of_all_ranks(void)
+static void a_failure_is_that_of_all_ranks(MPI_Comm *comm)
 {
     duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
     uint64_t ids[] = {7, 7};
     duet_pose two[] = {pose, pose};
     duet_world_def world = duet_default_world_def();
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *c = open_cluster(&comm, &world, 1);
-    duet_error err = {0};
+    duet_cluster *c = open_cluster(comm, &world, 1);
     duet_cluster_result result;
 
     must_fail(duet_cluster_set_objects(c, rank == 1 ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES, ids,
-                                       two, 0, &err),
-              &err, DUET_STATUS_BAD_ARGUMENT, "rank 1 on ");
-    err = (duet_error){0};
-    must_fail(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, two, rank == 2 ? 2 : 0, &err),
-              &err, DUET_STATUS_BAD_ARGUMENT, "object 7 is there twice");
+                                       two, 0, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "rank 1 on ");
+    must_fail(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, two, rank == 2 ? 2 : 0, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "object 7 is there twice");
     MUST(!duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, two, 2, NULL), "without an error");
 
     // On two ranks bad objects: all name the lesser.
     uint64_t own[] = {((uint64_t)1 << 40) + (uint64_t)(100 - 10 * rank), (uint64_t)rank};
     two[0].centre[1] = rank == 0 ? 0.0f : NAN;
-    err = (duet_error){0};
-    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
-    must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT,
+    must(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, ERR));
+    must_fail(duet_cluster_step(c, &result, ERR), DUET_STATUS_BAD_OBJECT,
               "object 1099511627856 of 6 is not a number, infinite, negative or without rotation "
               "(2 such");
-    err = (duet_error){0};
     two[0] = pose;
-    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, &err), err);
+    must(duet_cluster_set_objects(c, DUET_OBJECT_POSES, own, two, 2, ERR));
     result = step(c);
     MUST(result.pairs == 15, "six boxes in one place, after a failure");
     const uint64_t *owned_ids;
     uint32_t n;
     for (int at = 0; at < 2; ++at) { // objects that became bad in place are mended in place
-        duet_pose *mapped = duet_cluster_map_owned(c, DUET_OBJECT_POSES, &owned_ids, &n, &err);
-        MUST_OK(mapped, err);
+        duet_pose *mapped = must(duet_cluster_map_owned(c, DUET_OBJECT_POSES, &owned_ids, &n, ERR));
         for (uint32_t i = 0; i < n; ++i)
             mapped[i].centre[1] = at == 0 && owned_ids[i] % 2 ? NAN : pose.centre[1];
         if (at == 0)
-            must_fail(duet_cluster_step(c, &result, &err), &err, DUET_STATUS_BAD_OBJECT, "object ");
-        err = (duet_error){0};
+            must_fail(duet_cluster_step(c, &result, ERR), DUET_STATUS_BAD_OBJECT, "object ");
     }
     MUST(step(c).pairs == 15, "six boxes in one place again");
 
-    err = (duet_error){0};
-    must_fail(duet_cluster_save_pairs(c, "no/such/folder/p.npy", true, &err), &err,
-              DUET_STATUS_IO_FAILED, "no/such/folder/p.npy: cannot be written");
-    err = (duet_error){0};
-    must_fail(duet_cluster_save_pairs(c, "/dev/null", false, &err), &err, DUET_STATUS_IO_FAILED,
+    must_fail(duet_cluster_save_pairs(c, "no/such/folder/p.npy", true, ERR), DUET_STATUS_IO_FAILED,
+              "no/such/folder/p.npy: cannot be written");
+    must_fail(duet_cluster_save_pairs(c, "/dev/null", false, ERR), DUET_STATUS_IO_FAILED,
               "expected a plain file");
-    err = (duet_error){0};
-    must_fail(duet_cluster_load_scene(c, "papr", NULL, 0, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+    must_fail(duet_cluster_load_scene(c, "papr", NULL, 0, ERR), DUET_STATUS_BAD_ARGUMENT,
               "rank 0 on ");
     MUST(duet_cluster_get_scene_info(c) == NULL, "there is no scene");
     MUST(step(c).pairs == 15, "what was there stays");
     duet_cluster_destroy(c);
 
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
+    def.comm = comm;
     def.plain = true;
     def.weight = rank == 2 ? -1 : 1;
-    err = (duet_error){0};
-    must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+    must_fail(duet_cluster_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT,
               "weight is -1; expected a number above 0");
     def.weight = rank == 2 ? 0 : 1;
-    err = (duet_error){0};
-    must_fail(duet_cluster_create(&def, &err), &err, DUET_STATUS_BAD_ARGUMENT,
+    must_fail(duet_cluster_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT,
               "weight is 0 on 1 of 3 ranks; expected numbers above 0, or 0 on all");
-    MPI_Comm_free(&comm);
 }
 
 enum { MOST_IDS = 120 };
@@ -1490,33 +1388,26 @@ static void an_id_that_two_ranks_bring_is_refused(uint64_t seed)
     }
 }
 
-static void calls_in_another_order_are_refused(void)
+static void calls_in_another_order_are_refused(MPI_Comm *comm)
 {
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
     duet_world_def world = duet_default_world_def();
-    duet_cluster *c = open_cluster(&comm, &world, 1);
+    duet_cluster *c = open_cluster(comm, &world, 1);
     duet_cluster_rank rows[3];
     duet_cluster_result result;
-    duet_error err = {0};
-    must_fail(rank == 1 ? duet_cluster_get_ranks(c, rows, &err)
-                        : duet_cluster_step(c, &result, &err),
-              &err, DUET_STATUS_BAD_ARGUMENT,
+    must_fail(rank == 1 ? duet_cluster_get_ranks(c, rows, ERR) : duet_cluster_step(c, &result, ERR),
+              DUET_STATUS_BAD_ARGUMENT,
               rank == 1 ? "duet_cluster_get_ranks, and another rank makes another call"
                         : "duet_cluster_step, and another rank makes another call");
     MUST(step(c).pairs == 0, "and all goes on");
     duet_plan plan = duet_default_plan(NULL);
     for (int i = 0; i < 2; ++i) {
-        err = (duet_error){0};
-        bool ok = rank != 1 ? duet_cluster_step(c, &result, &err)
-                  : i == 0  ? duet_cluster_set_level(c, DUET_LEVEL_AABB, &err)
-                            : duet_cluster_set_plan(c, &plan, &err);
-        must_fail(ok, &err, DUET_STATUS_BAD_ARGUMENT, ", and another rank makes another call");
+        must_fail(rank != 1 ? duet_cluster_step(c, &result, ERR)
+                  : i == 0  ? duet_cluster_set_level(c, DUET_LEVEL_AABB, ERR)
+                            : duet_cluster_set_plan(c, &plan, ERR),
+                  DUET_STATUS_BAD_ARGUMENT, ", and another rank makes another call");
         MUST(step(c).pairs == 0, "no rank waits for others in the next step");
     }
     duet_cluster_destroy(c);
-    MPI_Comm_free(&comm);
 }
 
 // A rank that has no cluster is alone.
@@ -1537,41 +1428,34 @@ static void each_call_that_fails_gives_its_own_line(void)
                   : i == 8 ? duet_cluster_get_own_pairs(NULL, NULL, NULL, e)
                   : i == 9 ? duet_cluster_get_ranks(NULL, NULL, e)
                            : duet_cluster_save_pairs(NULL, "x.npy", false, e);
-        must_fail(ok, &err, DUET_STATUS_BAD_ARGUMENT, "luster");
+        MUST(!ok && err.status == DUET_STATUS_BAD_ARGUMENT && strstr(err.text, "luster") &&
+                 !strchr(err.text, '\n'),
+             err.text);
     }
 }
 
 // One rank's disk is full: nothing appears, and all ranks know.
-static void a_disk_that_is_full_is_told_of(void)
+static void a_disk_that_is_full_is_told_of(duet_cluster *cluster, const crowd *c, MPI_Comm comm,
+                                           rng *r)
 {
-    static crowd c;
-    rng r = rng_seed(11);
-    make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    (void)comm, (void)r;
     struct rlimit before, little = {.rlim_cur = 200};
-    duet_error err = {0};
-    hand_over(cluster, &c, 0, 3);
+    hand_over(cluster, c, 0, 3);
     step(cluster);
     MUST(getrlimit(RLIMIT_FSIZE, &before) == 0, "a limit");
     little.rlim_max = before.rlim_max;
     signal(SIGXFSZ, SIG_IGN);
     MUST(rank != 2 || setrlimit(RLIMIT_FSIZE, &little) == 0, "a limit");
-    must_fail(duet_cluster_save_pairs(cluster, "cluster_full.npy", true, &err), &err,
+    must_fail(duet_cluster_save_pairs(cluster, "cluster_full.npy", true, ERR),
               DUET_STATUS_IO_FAILED, "rank 2 on ");
-    MUST(strstr(err.text, "cluster_full.npy: cannot be written: File too large"), err.text);
+    MUST(strstr(ERR->text, "cluster_full.npy: cannot be written: File too large"), ERR->text);
     MUST(setrlimit(RLIMIT_FSIZE, &before) == 0, "a limit");
     MUST(access("cluster_full.npy", F_OK) != 0, "no file appears");
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // Every call refuses NULL; what is not a cluster has no ranks.
 static void nothing_is_refused(void)
 {
-    duet_error err = {0};
     duet_cluster_result result;
     duet_cluster_rank rows[8];
     duet_profile profile;
@@ -1585,22 +1469,18 @@ static void nothing_is_refused(void)
          "no ranks");
     MUST(!duet_cluster_get_scene_info(NULL), "no scene");
     duet_cluster_destroy(NULL);
-#define REFUSED(call)                                                       \
-    do {                                                                    \
-        err = (duet_error){0};                                              \
-        MUST(!(call) && err.status == DUET_STATUS_BAD_ARGUMENT, "refused"); \
-    } while (0)
-    REFUSED(duet_cluster_create(NULL, &err));
-    REFUSED(duet_cluster_load_scene(NULL, "paper", NULL, 0, &err));
-    REFUSED(duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, &err));
-    REFUSED(duet_cluster_map_owned(NULL, DUET_OBJECT_POSES, &ids, &n, &err));
-    REFUSED(duet_cluster_set_plan(NULL, &plan, &err));
-    REFUSED(duet_cluster_set_level(NULL, DUET_LEVEL_AABB, &err));
-    REFUSED(duet_cluster_load_profile(NULL, NULL, &profile, NULL, &err));
-    REFUSED(duet_cluster_step(NULL, &result, &err));
-    REFUSED(duet_cluster_get_ranks(NULL, rows, &err));
-    REFUSED(duet_cluster_get_own_pairs(NULL, &pairs, &n_pairs, &err));
-    REFUSED(duet_cluster_save_pairs(NULL, "p.npy", true, &err));
+#define REFUSED(call) must_fail(call, DUET_STATUS_BAD_ARGUMENT, "")
+    REFUSED(duet_cluster_create(NULL, ERR));
+    REFUSED(duet_cluster_load_scene(NULL, "paper", NULL, 0, ERR));
+    REFUSED(duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, ERR));
+    REFUSED(duet_cluster_map_owned(NULL, DUET_OBJECT_POSES, &ids, &n, ERR));
+    REFUSED(duet_cluster_set_plan(NULL, &plan, ERR));
+    REFUSED(duet_cluster_set_level(NULL, DUET_LEVEL_AABB, ERR));
+    REFUSED(duet_cluster_load_profile(NULL, NULL, &profile, NULL, ERR));
+    REFUSED(duet_cluster_step(NULL, &result, ERR));
+    REFUSED(duet_cluster_get_ranks(NULL, rows, ERR));
+    REFUSED(duet_cluster_get_own_pairs(NULL, &pairs, &n_pairs, ERR));
+    REFUSED(duet_cluster_save_pairs(NULL, "p.npy", true, ERR));
 
     MPI_Comm comm = group_of(2);
     if (comm == MPI_COMM_NULL)
@@ -1608,61 +1488,60 @@ static void nothing_is_refused(void)
     duet_world_def world = duet_default_world_def();
     duet_cluster *c = open_cluster(&comm, &world, 1);
     uint64_t id = 0;
-    REFUSED(duet_cluster_load_scene(c, NULL, NULL, 0, &err));
-    REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, NULL, &id, 1, &err));
-    REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, NULL, 1, &err));
-    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_POSES, NULL, &n, &err));
-    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, NULL, &err));
-    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_SIZES, &ids, &n, &err));
-    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_SPHERES, &ids, &n, &err));
-    REFUSED(duet_cluster_set_plan(c, NULL, &err));
-    REFUSED(duet_cluster_set_level(c, (duet_level)99, &err));
-    REFUSED(duet_cluster_load_profile(c, NULL, NULL, NULL, &err));
-    REFUSED(duet_cluster_step(c, NULL, &err));
-    REFUSED(duet_cluster_get_ranks(c, NULL, &err));
-    REFUSED(duet_cluster_save_pairs(c, NULL, true, &err));
-    REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, &err)); // there was no step
+    REFUSED(duet_cluster_load_scene(c, NULL, NULL, 0, ERR));
+    REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, NULL, &id, 1, ERR));
+    REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, NULL, 1, ERR));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_POSES, NULL, &n, ERR));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, NULL, ERR));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_SIZES, &ids, &n, ERR));
+    REFUSED(duet_cluster_map_owned(c, DUET_OBJECT_SPHERES, &ids, &n, ERR));
+    REFUSED(duet_cluster_set_plan(c, NULL, ERR));
+    REFUSED(duet_cluster_set_level(c, (duet_level)99, ERR));
+    REFUSED(duet_cluster_load_profile(c, NULL, NULL, NULL, ERR));
+    REFUSED(duet_cluster_step(c, NULL, ERR));
+    REFUSED(duet_cluster_get_ranks(c, NULL, ERR));
+    REFUSED(duet_cluster_save_pairs(c, NULL, true, ERR));
+    REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, ERR)); // there was no step
     step(c);
-    REFUSED(duet_cluster_get_own_pairs(c, NULL, &n_pairs, &err));
-    REFUSED(duet_cluster_get_own_pairs(c, &pairs, NULL, &err));
-    MUST_OK(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, &err), err);
+    REFUSED(duet_cluster_get_own_pairs(c, NULL, &n_pairs, ERR));
+    REFUSED(duet_cluster_get_own_pairs(c, &pairs, NULL, ERR));
+    must(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, ERR));
     MUST(pairs && n_pairs == 0, "no pairs");
     duet_cluster_destroy(c);
     duet_cluster_def wrong = duet_default_cluster_def();
     wrong.comm = &comm;
     wrong.plain = true;
     wrong.world.compact_transforms = true; // else they would be taken for poses
-    REFUSED(duet_cluster_create(&wrong, &err));
+    REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.world.compact_transforms = false;
     wrong.world.shape = (duet_shape)99;
-    REFUSED(duet_cluster_create(&wrong, &err));
+    REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.world.shape = DUET_SHAPE_POSES;
     wrong.world.dims = 7;
-    REFUSED(duet_cluster_create(&wrong, &err));
+    REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.world.dims = 3;
     wrong.world.level = (duet_level)99;
-    REFUSED(duet_cluster_create(&wrong, &err));
+    REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.world.level = DUET_LEVEL_CERTIFIED;
     wrong.world.origin_edge = 0.3f;
-    REFUSED(duet_cluster_create(&wrong, &err));
+    REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.world.origin_edge = 0;
     wrong.parts = rank == 0 ? 0 : 1;
-    REFUSED(duet_cluster_create(&wrong, &err));
+    REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.parts = 1;
     wrong.drops_pairs = true;
-    c = duet_cluster_create(&wrong, &err);
-    MUST(c, err.text);
+    c = must(duet_cluster_create(&wrong, ERR));
     duet_pose unit = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
     id = (uint64_t)rank;
-    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, &unit, 1, &err), err);
-    REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : (duet_level)99, &err));
+    must(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, &unit, 1, ERR));
+    REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : (duet_level)99, ERR));
     MUST(c->def.world.level == DUET_LEVEL_CERTIFIED, "the level of all ranks stays");
-    REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : DUET_LEVEL_SAT15, &err));
+    REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : DUET_LEVEL_SAT15, ERR));
     MUST(c->def.world.level == DUET_LEVEL_CERTIFIED, "the level of all ranks stays");
     result = step(c);
     MUST(result.pairs == 1, "a pair that is counted and not kept");
-    REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, &err));
-    REFUSED(duet_cluster_save_pairs(c, "p.npy", true, &err));
+    REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, ERR));
+    REFUSED(duet_cluster_save_pairs(c, "p.npy", true, ERR));
     duet_cluster_destroy(c);
     MPI_Comm_free(&comm);
 #undef REFUSED
@@ -1693,10 +1572,9 @@ static void a_part_is_its_box(void)
     for (int round = 0; round < 200; ++round) {
         uint32_t n = 1 + rng_below(&r, 9);
         uint64_t n_points = rng_below(&r, 20);
-        duet_error err = {0};
         bisection b;
         bisection_point points[20] = {{{0}, 0}}, copy[20];
-        MUST_OK(bisection_begin(&b, n, &err), err);
+        must(bisection_begin(&b, n, ERR));
         for (uint64_t i = 0; i < n_points; ++i) {
             points[i].weight = 1;
             for (int k = 0; k < 3; ++k)
@@ -1788,8 +1666,7 @@ static uint64_t must_be_in_domains(owned *o, classes *c, uint64_t there)
 {
     uint64_t seen = 0;
     uint32_t n = 0;
-    duet_error err = {0};
-    MUST_OK(classify(c, o) && owned_sort_runs(o, &err), err);
+    must(classify(c, o) && owned_sort_runs(o, ERR));
     for (uint32_t i = 0; i < o->n_domains; ++i) {
         const domain *d = &o->domains[i];
         uint32_t n_before = n;
@@ -1825,11 +1702,10 @@ static void rows_come_to_their_domains(void)
     static const extent all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
     rng r = rng_seed(16);
     parallel team;
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.shape = DUET_SHAPE_BOUNDS;
-    worker *w = worker_open_plain(&def, NULL, &err), *const workers[2] = {w, w};
-    MUST_OK(w && parallel_begin(&team, 3, 1, &err), err);
+    worker *w = must(worker_open_plain(&def, NULL, ERR)), *const workers[2] = {w, w};
+    must(parallel_begin(&team, 3, 1, ERR));
     for (int round = 0; round < 300; ++round) {
         owned o;
         classes c = {0};
@@ -1837,9 +1713,9 @@ static void rows_come_to_their_domains(void)
         uint32_t n_domains = 2 + rng_below(&r, DOMAINS_OF_TIDY - 1);
         uint32_t n = rng_below(&r, ROWS_OF_TIDY / 2);
         uint64_t there = 0;
-        MUST_OK(owned_begin(&o, n_domains, n_domains, &team, &err), err);
+        must(owned_begin(&o, n_domains, n_domains, &team, ERR));
         o.form = (object_form){.dims = 3, .shape = DUET_SHAPE_BOUNDS, .bytes = sizeof(duet_bounds)};
-        MUST_OK(object_rows_begin(&rows, &o.form, n, &err), err);
+        must(object_rows_begin(&rows, &o.form, n, ERR));
         for (uint32_t i = 0; i < n; ++i) {
             duet_bounds b = some_bounds(i, &r);
             rows.ids[i] = i;
@@ -1847,7 +1723,7 @@ static void rows_come_to_their_domains(void)
             there |= UINT64_C(1) << i;
         }
         owned_take(&o, &rows);
-        MUST_OK(owned_place(&o, &all, workers, &err), err);
+        must(owned_place(&o, &all, workers, ERR));
         MUST(must_be_in_domains(&o, &c, there) <= n_domains, "placed together");
         for (int step = 0; step < 9; ++step) {
             unsigned char messages[ROWS_OF_TIDY][sizeof(uint64_t) + sizeof(duet_bounds)];
@@ -1865,7 +1741,7 @@ static void rows_come_to_their_domains(void)
                     object_write_message(&o.form, messages[in.n++], id, &b);
                     there |= UINT64_C(1) << id;
                 }
-            MUST_OK(owned_add_newcomers(&o, &in, &err), err);
+            must(owned_add_newcomers(&o, &in, ERR));
             owned_tidy(&o);
             must_be_in_domains(&o, &c, there);
         }
@@ -1894,10 +1770,9 @@ static void calls_are_made_beside_loops(void)
     static const uint32_t n_threads[] = {1, 2, 5};
     for (uint32_t i = 0; i < sizeof n_threads / sizeof *n_threads; ++i) {
         parallel team;
-        duet_error err = {0};
         _Atomic uint64_t things = 0;
         uint32_t calls = 0, loops = 0;
-        MUST_OK(parallel_begin(&team, n_threads[i], 1, &err), err);
+        must(parallel_begin(&team, n_threads[i], 1, ERR));
         for (uint32_t k = 0; k < CALLS; ++k) {
             parallel_stay_awake(&team, k % 3 == 0);
             parallel_call_begin(&team, count_call, &calls);
@@ -1930,11 +1805,11 @@ int main(int argc, char **argv)
     if (rank == 0)
         calls_are_made_beside_loops();
     nothing_is_refused();
-    a_failure_is_that_of_all_ranks();
+    on_ranks(3, a_failure_is_that_of_all_ranks);
     an_id_that_two_ranks_bring_is_refused(seed);
-    calls_in_another_order_are_refused();
+    on_ranks(3, calls_in_another_order_are_refused);
     each_call_that_fails_gives_its_own_line();
-    a_disk_that_is_full_is_told_of();
+    on_crowd(3, 11, 1, a_disk_that_is_full_is_told_of);
     random_crowds_have_the_same_pairs(seed);
     scenes_have_the_same_pairs();
     objects_that_move_have_the_references_pairs(seed);
@@ -1944,16 +1819,18 @@ int main(int argc, char **argv)
     devices_find_the_pairs_of_parts_in_place(seed, SPHERES, 5);
     objects_that_are_dealt_anew_change_nothing(seed);
     radii_that_touch_across_ranks_collide(seed);
-    objects_go_on_after_one_rank_had_no_memory();
-    a_search_that_fails_leaves_objects_as_they_were();
-    a_cut_that_became_uneven_is_made_anew();
-    grids_follow_objects_that_travel();
+    on_crowd(3, 17, 1, objects_go_on_after_one_rank_had_no_memory);
+    n_parts = 5;
+    on_crowd(2, 18, 1, a_search_that_fails_leaves_objects_as_they_were);
+    n_parts = 1;
+    on_crowd(4, 5, 1, a_cut_that_became_uneven_is_made_anew);
+    on_crowd(1, 12, 1, grids_follow_objects_that_travel);
     parts_stay_while_they_are_even();
     ranks_get_objects_by_their_weights();
-    ranks_are_weighed_by_their_stored_times();
-    ranks_that_prove_slow_get_fewer_objects();
-    each_rank_has_its_part_of_the_processors();
-    a_cut_must_pay();
+    on_crowd(3, 6, 0, ranks_are_weighed_by_their_stored_times);
+    on_crowd(3, 6, 0, ranks_that_prove_slow_get_fewer_objects);
+    on_ranks(2, each_rank_has_its_part_of_the_processors);
+    on_ranks(2, a_cut_must_pay);
     only_giants_travel_far();
     large_ids_have_one_hash();
     sorted_pairs_are_the_same_bytes();

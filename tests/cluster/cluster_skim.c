@@ -22,10 +22,8 @@ static duet_device_pair *devices;
 
 static void open_devices(void)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
-    devices = duet_device_pair_create(&def, &err);
-    MUST_OK(devices, err);
+    devices = must(duet_device_pair_create(&def, ERR));
     devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
 }
 
@@ -101,7 +99,6 @@ static bool is_plainly_deep(const object_form *form, const float *row)
 static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet_shape shape,
                                                      const char *plan)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
     def.dims = dims;
@@ -110,8 +107,7 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     def.plan = (duet_plan){.mode = DUET_MODE_OWN};
     strcpy(def.plan.variant_a, plan);
     strcpy(def.plan.variant_b, plan);
-    duet_world *world = duet_world_create(&def, &err);
-    MUST_OK(world, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
     world->parts[1].least_chunk = 1;
 
     object_form form = object_form_of(&def);
@@ -119,13 +115,11 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
              chunks = 0;
     duet_result result;
     float lower[3], upper[3],
-        *rows = duet_world_map_objects(world, object_form_kind(&form), 1, &err);
-    MUST_OK(rows, err);
+        *rows = must(duet_world_map_objects(world, object_form_kind(&form), 1, ERR));
     for (uint32_t k = 0; k < words; ++k)
         rows[k] = k > 2; // whatever it is, so that kernels are there
-    MUST_OK(duet_world_step(world, &result, &err), err);
-    rows = duet_world_map_objects(world, object_form_kind(&form), N, &err);
-    MUST_OK(rows, err);
+    must(duet_world_step(world, &result, ERR));
+    rows = must(duet_world_map_objects(world, object_form_kind(&form), N, ERR));
     for (uint32_t i = 0; i < N; ++i)
         make_row(r, &form, i / SKIM_ROWS == 1, rows + (size_t)i * words);
     skim_box(&inside, lower, upper);
@@ -186,27 +180,21 @@ static void must_count_up(const void *rows, uint32_t n)
 // Kept objects stay, whether there is memory for more or not.
 static void a_worker_keeps_its_objects(void)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    worker *w = worker_open_pair(&def, &err);
-    MUST_OK(w, err);
-    duet_pose *rows = w->extend(w, N, 0, &err);
-    MUST_OK(rows, err);
+    worker *w = must(worker_open_pair(&def, ERR));
+    duet_pose *rows = must(w->extend(w, N, 0, ERR));
     for (uint32_t i = 0; i < N; ++i)
         rows[i] = (duet_pose){.centre = {(float)i}};
     for (int again = 0; again < 2; ++again) {
         lacks_memory = true;
-        err = (duet_error){0};
-        MUST(!w->extend(w, MANY, N, &err) && err.status == DUET_STATUS_NO_MEMORY &&
-                 strcmp(err.text, "none for now") == 0,
-             err.text);
+        must_fail(w->extend(w, MANY, N, ERR), DUET_STATUS_NO_MEMORY, "none for now");
+        MUST(strcmp(ERR->text, "none for now") == 0, ERR->text);
         must_count_up(rows, N);
         MUST(w->map(w, N, NULL) == rows, "where they were");
         lacks_memory = false;
     }
-    rows = w->extend(w, MANY, N, &err);
-    MUST_OK(rows, err);
+    rows = must(w->extend(w, MANY, N, ERR));
     must_count_up(rows, N);
     w->close(w);
 }
@@ -215,7 +203,6 @@ static void a_worker_keeps_its_objects(void)
 
 static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
 {
-    duet_error err = {0};
     duet_cluster_def def = duet_default_cluster_def();
     def.comm = comm;
     def.plain = !skims;
@@ -225,9 +212,7 @@ static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
     def.world.pair = skims ? devices : NULL;
     def.world.plan.share = 0;
     def.world.plan.mode = DUET_MODE_OWN;
-    duet_cluster *c = duet_cluster_create(&def, &err);
-    MUST_OK(c, err);
-    return c;
+    return must(duet_cluster_create(&def, ERR));
 }
 
 static worker_pair *worker_of(duet_cluster *c)
@@ -242,7 +227,6 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
 {
     static duet_pose poses[MANY];
     static uint64_t ids[MANY];
-    duet_error err = {0};
     rng r = rng_seed(seed);
     for (uint32_t i = 0; i < n; ++i) {
         ids[i] = i;
@@ -253,7 +237,7 @@ static void hand_over(duet_cluster *c, uint32_t n, uint64_t seed)
             poses[i].rotation[k] = (float)rng_normal(&r);
     }
     n = duet_cluster_get_rank(c) == 0 ? n : 0;
-    MUST_OK(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, &err), err);
+    must(duet_cluster_set_objects(c, DUET_OBJECT_POSES, ids, poses, n, ERR));
 }
 
 enum { DRIFTS = 12, LEAPS = 4, SWELLS = 6, SPOILS = 8 };
@@ -280,11 +264,9 @@ typedef void mover(duet_pose *p, uint64_t id, uint32_t at);
 
 static void move_owned(duet_cluster *c, mover *how, uint32_t at)
 {
-    duet_error err = {0};
     const uint64_t *ids;
     uint32_t n;
-    duet_pose *own = duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, &err);
-    MUST_OK(own, err);
+    duet_pose *own = must(duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, ERR));
     for (uint32_t i = 0; i < n; ++i)
         how(&own[i], ids[i], at);
 }
@@ -297,11 +279,10 @@ static void make_uneven(duet_cluster *c)
 
 static void must_name_the_bad(duet_cluster *c)
 {
-    duet_error err = {0};
     duet_cluster_result result;
-    MUST(!duet_cluster_step(c, &result, &err) && err.status == DUET_STATUS_BAD_OBJECT, err.text);
-    MUST(strstr(err.text, "object 4321 of 9000 is not a number") && strstr(err.text, "(2 such"),
-         err.text);
+    must_fail(duet_cluster_step(c, &result, ERR), DUET_STATUS_BAD_OBJECT,
+              "object 4321 of 9000 is not a number");
+    MUST(strstr(ERR->text, "(2 such"), ERR->text);
 }
 
 static bool (*skim_in_truth)(worker *, const float[3], const float[3]);
@@ -329,10 +310,9 @@ static uint64_t sum_of(MPI_Comm *comm, uint64_t own)
 
 static void must_be_listed(MPI_Comm *comm, duet_cluster *c, uint64_t hash)
 {
-    duet_error err = {0};
     const duet_pair64 *pairs;
     uint64_t n, own = 0;
-    MUST_OK(duet_cluster_get_own_pairs(c, &pairs, &n, &err), err);
+    must(duet_cluster_get_own_pairs(c, &pairs, &n, ERR));
     for (uint64_t k = 0; k < n; ++k)
         own += pair64_hash(pairs[k]);
     MUST(sum_of(comm, own) == hash, "they are listed");
@@ -341,13 +321,12 @@ static void must_be_listed(MPI_Comm *comm, duet_cluster *c, uint64_t hash)
 // A second step finds the same, and so does one whose kernels may be others.
 static void must_find_again(duet_cluster *c, const duet_cluster_result *first)
 {
-    duet_error err = {0};
     for (int i = 0; i < 2; ++i) {
         duet_cluster_result again;
         bool was_apart = (c->search == SEARCH_OVERLAPPED);
         if (i == 1)
-            MUST_OK(duet_cluster_set_plan(c, &c->def.world.plan, &err), err);
-        MUST_OK(duet_cluster_step(c, &again, &err), err);
+            must(duet_cluster_set_plan(c, &c->def.world.plan, ERR));
+        must(duet_cluster_step(c, &again, ERR));
         MUST(again.hash == first->hash && again.pairs == first->pairs, "they are found again");
         MUST((c->search == SEARCH_OVERLAPPED) == (was_apart && i == 0),
              "by two searches where that holds");
@@ -364,7 +343,6 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
     for (int i = 0; i < 2; ++i)
         hand_over(clusters[i], N, seed);
     for (uint32_t at = 0; at < STEPS; ++at) {
-        duet_error err = {0};
         duet_cluster_result results[2];
         n_skims = 0;
         for (int i = 0; i < 2; ++i) {
@@ -375,7 +353,7 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
             if (at == FAILS)
                 must_name_the_bad(clusters[i]);
             else
-                MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+                must(duet_cluster_step(clusters[i], &results[i], ERR));
         }
         MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1),
              "a look is enough, in chunks");
@@ -404,22 +382,20 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
 
 static void take_all_threads(duet_cluster *c)
 {
-    duet_error err = {0};
     parallel_end(&c->threads);
-    MUST_OK(parallel_begin(&c->threads, c->ranks.processors * c->ranks.n_on_host, 1, &err), err);
+    must(parallel_begin(&c->threads, c->ranks.processors * c->ranks.n_on_host, 1, ERR));
 }
 
 // Several threads look at each chunk, and then at the next.
 static void objects_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed)
 {
-    duet_error err = {0};
     duet_cluster_result result;
     duet_cluster *c = open_cluster(comm, true, 1);
     const row_list *l = &c->owned.leavers;
     take_all_threads(c);
     hand_over(c, MANY, seed);
     for (uint32_t at = 1; at < 4; ++at) {
-        MUST_OK(duet_cluster_step(c, &result, &err), err);
+        must(duet_cluster_step(c, &result, ERR));
         worker_of(c)->world->parts[1].least_chunk = 1;
         for (uint32_t i = 1; i < l->n; ++i)
             MUST(l->rows[i - 1] < l->rows[i], "ascending");
@@ -450,11 +426,11 @@ static void *fail_to_map(worker *w, uint32_t n, duet_error *err)
     return NULL;
 }
 
-static void must_lack_memory(bool failed, const duet_error *err)
-{
-    MUST(failed && err->status == DUET_STATUS_NO_MEMORY, err->text);
-    MUST(strstr(err->text, "rank 1 on ") && strstr(err->text, "none for now"), err->text);
-}
+#define MUST_LACK_MEMORY(call)                                \
+    do {                                                      \
+        must_fail(call, DUET_STATUS_NO_MEMORY, "rank 1 on "); \
+        MUST(strstr(ERR->text, "none for now"), ERR->text);   \
+    } while (0)
 
 // A rank that has no memory for newcomers: none comes to any, and all do in the next step.
 static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed)
@@ -468,16 +444,15 @@ static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed
     for (int i = 0; i < 2; ++i)
         hand_over(clusters[i], N, seed);
     for (uint32_t at = 0; at < ENDS; ++at) {
-        duet_error err = {0};
         for (int i = 0; at > 0 && i < 2; ++i)
             move_owned(clusters[i], move, at);
         if (at == MISSES) {
             w->extend = rank == 1 ? fail_to_extend : extend_in_truth;
-            must_lack_memory(!duet_cluster_step(clusters[0], &results[0], &err), &err);
+            MUST_LACK_MEMORY(duet_cluster_step(clusters[0], &results[0], ERR));
             MUST(w->extend == extend_in_truth && clusters[0]->owned.leavers.n == 0, "none left");
         }
         for (int i = 0; i < 2; ++i)
-            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+            must(duet_cluster_step(clusters[i], &results[i], ERR));
         left += at == MISSES ? clusters[0]->owned.leavers.n : 0;
         MUST(results[0].objects == N && results[0].hash == results[1].hash, "all are there, once");
     }
@@ -491,23 +466,22 @@ static void objects_are_mapped_by_all_ranks_or_by_none(MPI_Comm *comm, uint64_t 
 {
     duet_cluster *c = open_cluster(comm, true, 1);
     worker *w = c->workers[0];
-    duet_error err = {0};
     const uint64_t *ids = NULL;
     uint32_t n = 0;
     duet_cluster_result first, again;
     map_in_truth = w->map;
     hand_over(c, N, seed);
-    MUST_OK(duet_cluster_step(c, &first, &err), err);
+    must(duet_cluster_step(c, &first, ERR));
     for (int moves = 0; moves < 2; ++moves) { // objects as they are found, and as they were written
         for (int i = 0; i < 2; ++i) {
             w->map = rank == 1 ? fail_to_map : map_in_truth;
-            must_lack_memory(!duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, &err), &err);
+            MUST_LACK_MEMORY(duet_cluster_map_owned(c, DUET_OBJECT_POSES, &ids, &n, ERR));
             MUST(w->map == map_in_truth && c->owned.rows.objects, "they are there");
         }
         if (moves)
             move_owned(c, move, 1);
     }
-    MUST_OK(duet_cluster_step(c, &again, &err), err);
+    must(duet_cluster_step(c, &again, ERR));
     MUST(again.objects == N && again.hash != first.hash, "they moved");
     duet_cluster_destroy(c);
 }
@@ -539,12 +513,11 @@ static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, uint3
     }
     size = 1;
     for (uint32_t at = 0; at < SWELLS; ++at) {
-        duet_error err = {0};
         duet_cluster_result results[2];
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
                 move_owned(clusters[i], thin ? drift : move, at);
-            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+            must(duet_cluster_step(clusters[i], &results[i], ERR));
         }
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
                  results[0].pairs > 1000,
@@ -560,12 +533,10 @@ static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, uint3
 
 static void spoil(duet_cluster *clusters[2])
 {
-    duet_error err = {0};
     duet_cluster_result result;
     for (int i = 0; i < 2; ++i)
-        MUST(!duet_cluster_step(clusters[i], &result, &err) &&
-                 err.status == DUET_STATUS_BAD_OBJECT && strstr(err.text, "object 1234 of"),
-             err.text);
+        must_fail(duet_cluster_step(clusters[i], &result, ERR), DUET_STATUS_BAD_OBJECT,
+                  "object 1234 of");
 }
 
 // Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a
@@ -580,7 +551,6 @@ static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
     for (int i = 0; i < 2; ++i)
         hand_over(clusters[i], N, seed);
     for (uint32_t at = 0; at < DRIFTS; ++at) {
-        duet_error err = {0};
         duet_cluster_result results[2];
         for (int i = 0; at > 0 && i < 2; ++i)
             move_owned(clusters[i], drift, at);
@@ -589,12 +559,12 @@ static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
             continue;
         }
         for (int i = 0; i < 2; ++i)
-            MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+            must(duet_cluster_step(clusters[i], &results[i], ERR));
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs &&
                  results[0].pairs > 1000,
              "the pairs are the reference's");
         if (at % 3 == 0) { // and again, as they are
-            MUST_OK(duet_cluster_step(c, &results[0], &err), err);
+            must(duet_cluster_step(c, &results[0], ERR));
             MUST(results[0].hash == results[1].hash, "the same");
         }
         MUST(at == 0 || c->owned.runs.n > 2 * PARTS, "objects changed domains");
@@ -607,17 +577,15 @@ static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
 
 static void change(duet_cluster *c, uint32_t what)
 {
-    duet_error err = {0};
     if (what == 0)
-        MUST_OK(duet_cluster_set_plan(c, &c->def.world.plan, &err), err);
+        must(duet_cluster_set_plan(c, &c->def.world.plan, ERR));
     if (what == 1)
-        MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_AABB, &err), err);
+        must(duet_cluster_set_level(c, DUET_LEVEL_AABB, ERR));
     if (what == 2)
-        MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, &err), err);
+        must(duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, ERR));
     if (what == 3) // and back
-        MUST_OK(duet_cluster_set_level(c, DUET_LEVEL_SPHERE, &err) &&
-                    duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, &err),
-                err);
+        must(duet_cluster_set_level(c, DUET_LEVEL_SPHERE, ERR) &&
+             duet_cluster_set_level(c, DUET_LEVEL_CERTIFIED, ERR));
 }
 
 // Whatever was called between two steps.
@@ -632,7 +600,6 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
         hand_over(clusters[i], FEW, seed);
     for (uint32_t at = 0; at < CALLS; ++at) {
         uint32_t what = rng_below(&r, 16);
-        duet_error err = {0};
         bool steps_now = what > MOVES + 2;
         for (int i = 0; i < 2; ++i) {
             if (what > MOVES && what <= MOVES + 5)
@@ -642,7 +609,7 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
             if (what % 5 == 4)
                 make_uneven(clusters[i]);
             if (steps_now)
-                MUST_OK(duet_cluster_step(clusters[i], &results[i], &err), err);
+                must(duet_cluster_step(clusters[i], &results[i], ERR));
         }
         steps += steps_now;
         apart += steps_now && (clusters[0]->search == SEARCH_OVERLAPPED);

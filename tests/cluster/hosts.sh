@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Four machines that are network namespaces of this one, on a switch that is a fifth: a cluster
-# finds one machine's pairs, and ends with a line where a rank is killed or a cable is pulled.
+# finds one machine's pairs, tells of a rank that is stopped, and ends with a line where a rank is
+# killed or a cable is pulled.
 # Skipped (77) where that is not permitted.
 #
 #   hosts.sh DUET [--all]    with --all a cable is pulled, too, which takes some seconds to be noticed
@@ -72,8 +73,8 @@ pairs_are_those_of_one_machine() {
   done
 }
 
-rank_on_three() {
-  for pid in $(ip netns pids "$tag-three"); do
+rank_on() { # NAME
+  for pid in $(ip netns pids "$tag-$1"); do
     if [ "$(cat "/proc/$pid/comm" 2>/dev/null)" = duet-cluster ]; then echo "$pid"; fi
   done
 }
@@ -86,7 +87,7 @@ processor_ticks() { # PID: hundredths of a second
 wait_for_steps() {
   local rank ticks
   for _ in $(seq 600); do
-    rank=$(rank_on_three)
+    rank=$(rank_on three)
     ticks=$([ -z "$rank" ] || processor_ticks "$rank")
     [ "${ticks:-0}" -lt 50 ] || return 0
     sleep 0.05
@@ -109,16 +110,39 @@ ends_with_a_line() { # ACTION WORDS
   ! ls "$work"/cut.npy* >"$work/out" 2>/dev/null || fail "a file is left"
 }
 
+says() { # RANK WORDS: within half a minute
+  for _ in $(seq 300); do
+    ! grep -q "rank [0-3] of 4 (host [a-z]*, pid $1) $2" "$work/err" || return 0
+    sleep 0.1
+  done
+  echo "nobody says '$2' of the rank with pid $1" >>"$work/err"
+}
+
 kill_a_rank() {
-  kill -9 "$(rank_on_three)"
+  kill -9 "$(rank_on three)"
+}
+
+# Each is alone on its machine, and the first is rank 0. Then the job is ended.
+stop_two_ranks() {
+  local rank
+  for rank in $(rank_on one) $(rank_on three); do
+    kill -STOP "$rank"
+    says "$rank" 'has not answered for 2 s'
+    kill -CONT "$rank"
+    says "$rank" 'answers again'
+  done
+  kill_a_rank
 }
 
 pull_the_cable() {
   ip -n "$tag-switch" link set three down
 }
 
+export DUET_RANK_SILENCE=2
 pairs_are_those_of_one_machine
 # With Open MPI 5 another rank may end the job before the dead one is noticed.
 ends_with_a_line kill_a_rank 'a rank was ended by signal 9 (Killed), and with it the job\|a machine may be out of reach'
+ends_with_a_line stop_two_ranks 'a rank was ended by signal 9 (Killed), and with it the job\|a machine may be out of reach'
+! grep 'nobody says' "$work/err" || fail "a rank that stopped was not told of"
 [ "${2:-}" != --all ] || ends_with_a_line pull_the_cable 'a machine may be out of reach'
 echo "four machines find the pairs of one, and none outlives another"

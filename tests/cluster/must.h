@@ -3,9 +3,12 @@
 #ifndef TESTS_MUST_H
 #define TESTS_MUST_H
 
+#include "duet_error.h"
+
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int rank; // this rank in the whole job
 
@@ -22,6 +25,28 @@ _Noreturn static void end_job(const char *fact, const char *file, int line, cons
             end_job(#fact, __FILE__, __LINE__, (why)); \
     } while (0)
 #define MUST_OK(call, err) MUST(call, (err).text)
+
+// The value of a call that must succeed, in which ERR stands for the error that it fills.
+#define must(call)                                         \
+    __extension__({                                        \
+        rank_error = (duet_error){0};                      \
+        __typeof__(call) given_ = (call);                  \
+        if (!given_)                                       \
+            end_job(#call, __FILE__, __LINE__, ERR->text); \
+        given_;                                            \
+    })
+#define ERR (&rank_error)
+
+// A call that must fail with this status and one line that has `says`, which ERR keeps.
+#define must_fail(call, code, says)                                        \
+    do {                                                                   \
+        rank_error = (duet_error){0};                                      \
+        if ((call) || ERR->status != (code) || !strstr(ERR->text, says) || \
+            strchr(ERR->text, '\n'))                                       \
+            end_job(#call, __FILE__, __LINE__, ERR->text);                 \
+    } while (0)
+
+__attribute__((unused)) static duet_error rank_error;
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>

@@ -62,7 +62,6 @@ TEST(ranks_with_devices_find_the_pairs_of_run)
 
 static void write_platform(const char *path, const char *inside)
 {
-    duet_error err = {0};
     text file = {0};
     text_add(&file,
              "<?xml version='1.0'?>"
@@ -70,7 +69,7 @@ static void write_platform(const char *path, const char *inside)
              "<platform version='4.1'><config><prop id='network/model' value='CM02'/></config>"
              "<zone id='all' routing='Full'>%s</zone></platform>",
              inside);
-    assert_ok(text_write_file(path, text_chars(&file), file.length, &err), err);
+    must(text_write_file(path, text_chars(&file), file.length, ERR));
     text_free(&file);
 }
 
@@ -117,14 +116,12 @@ TEST(a_forecast_takes_the_times_of_a_profile)
 {
     skip_without("duet-simulate", "SimGrid");
     test_folder folder = test_folder_make();
-    duet_error err = {0};
     store *s = test_store_open(folder.store, STORE_WRITE);
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
     test_tune(s, &pair, &workload);
     store_close(s);
-    duet_profile_list *list = duet_profile_list_create(folder.store, false, &err);
-    assert_ok(list, err);
+    duet_profile_list *list = must(duet_profile_list_create(folder.store, false, ERR));
     const duet_stored_profile *profile = duet_profile_list_get_profile(list, 0);
     write_network();
 
@@ -163,12 +160,12 @@ TEST(a_forecast_takes_the_times_of_a_profile)
     assert_true(bytes > 0);
     assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms + bytes * 1e-6 * 0.99);
     s = test_store_open(folder.store, STORE_WRITE);
-    assert_ok(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", &err), err);
+    must(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", ERR));
     p = program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
                          profile->uid);
     program_assert_refused(&p, 2,
                            "': a profile of the query 'rays closest'; expected one of steps");
-    assert_ok(sql_script(s, "UPDATE workload SET query = NULL, boxes = 0", &err), err);
+    must(sql_script(s, "UPDATE workload SET query = NULL, boxes = 0", ERR));
     store_close(s);
     static const char *const hostile[] = {"profile SET median_ns = 9e999",
                                           "profile SET median_ns = -5", "profile SET median_ns = 0",
@@ -178,7 +175,7 @@ TEST(a_forecast_takes_the_times_of_a_profile)
         s = test_store_open(folder.store, STORE_WRITE);
         snprintf(change, sizeof change, "PRAGMA ignore_check_constraints = ON; UPDATE %s",
                  hostile[i]);
-        assert_ok(sql_script(s, change, &err), err);
+        must(sql_script(s, change, ERR));
         store_close(s);
         p = program_run_with(variables,
                              "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
@@ -230,13 +227,12 @@ TEST(an_array_is_read_in_parts)
     skip_without_mpi();
     for (int columns = 6; columns <= 11; columns += 5) {
         text file = {0};
-        duet_error err = {0};
         npy_add_header(&file, NPY_FLOAT64, 100, (uint64_t)columns);
         for (int i = 0; i < 100 * columns; ++i) {
             double number = number_of_row(columns, i / columns, i % columns);
             text_add_bytes(&file, (const char *)&number, sizeof number);
         }
-        assert_ok(text_write_file("rows.npy", text_chars(&file), file.length, &err), err);
+        must(text_write_file("rows.npy", text_chars(&file), file.length, ERR));
         program one = program_run("cluster --plain --repeat 1 --check --json rows.npy");
         program three = program_run("cluster --plain --repeat 1 --ranks 3 --json rows.npy");
         cJSON *expected = json_of_program(&one), *found = json_of_program(&three);
@@ -300,13 +296,12 @@ TEST(the_file_of_pairs_is_that_of_one_rank)
 {
     skip_without_mpi();
     text files[2] = {{0}, {0}};
-    duet_error err = {0};
     for (int i = 0; i < 2; ++i) {
         program p = program_run("cluster --plain --repeat 1 --json --ranks %d --sorted "
                                 "--pairs test_cluster.npy planes -n 90",
                                 2 * i + 1);
         cJSON *o = json_of_program(&p);
-        assert_ok(text_read_file(&files[i], "test_cluster.npy", &err), err);
+        must(text_read_file(&files[i], "test_cluster.npy", ERR));
         assert_int_equal(files[i].length, 128 + 16 * (size_t)json_number(o, "pairs"));
         remove("test_cluster.npy");
     }

@@ -238,12 +238,11 @@ static void assert_stale_ids_are_refused(play *p)
     verb what = (verb)rng_below(&p->r, VERBS);
     if (what == ADD || what == CHANGE || what == AIM)
         what = REMOVE;
-    duet_error err = {0};
     duet_motion *m = p->movers[rng_below(&p->r, PLAYERS)]->motion;
     assert_false(duet_motion_has_body(m, o.ids[1]));
-    assert_false(obey(what, m, &o, NULL, &err));
-    if (!strstr(err.text, "was removed") && !strstr(err.text, "is disabled"))
-        fail_msg("command %d with a stale id is told '%s'", what, err.text);
+    must_fail(obey(what, m, &o, NULL, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    if (!strstr(ERR->text, "was removed") && !strstr(ERR->text, "is disabled"))
+        fail_msg("command %d with a stale id is told '%s'", what, ERR->text);
 }
 
 // One player goes on with what another saved, perhaps as one that is new, with a skin or without.
@@ -382,14 +381,12 @@ static bool searched_some(const play *p)
 // Players with an odd number make each step in two halves.
 static void advance_all(play *p)
 {
-    duet_error err = {0};
     for (int k = 1; k < PLAYERS; k += 2)
         must(duet_motion_advance_begin(p->movers[k]->motion, ERR));
     for (int k = 0; k < PLAYERS; ++k) {
         mover *m = p->movers[k];
-        assert_ok(k % 2 ? duet_motion_advance_end(m->motion, &m->last, &err)
-                        : duet_motion_advance(m->motion, &m->last, &err),
-                  err);
+        must(k % 2 ? duet_motion_advance_end(m->motion, &m->last, ERR)
+                   : duet_motion_advance(m->motion, &m->last, ERR));
     }
 }
 

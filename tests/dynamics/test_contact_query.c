@@ -497,13 +497,12 @@ TEST(a_delta_is_what_two_steps_differ_by)
 static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, duet_status status,
                            const char *says)
 {
-    duet_error err = {0};
     duet_contact_query_result result;
     const duet_span spans[2] = {{&(duet_pair){0, 1}, 1}, {&pair, 1}};
     duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0);
-    assert_false(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, &err));
-    assert_int_equal(err.status, status);
-    assert_string_equal(err.text, says);
+    must_fail(duet_contact_query_run(query, DUET_OBJECT_POSES, poses, n, spans, &result, ERR),
+              status, "");
+    assert_string_equal(ERR->text, says);
     find_contacts(query, DUET_OBJECT_POSES, poses, 2, &(duet_pair){0, 1}, 1); // and goes on
 }
 

@@ -5,7 +5,6 @@
 #include "support/test.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double g = 9.81;
 

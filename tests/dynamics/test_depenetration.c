@@ -6,7 +6,6 @@
 #include "base/rng.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double edge = 0.5;
 

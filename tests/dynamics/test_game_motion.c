@@ -4,8 +4,6 @@
 
 #include "support/devices.h"
 
-#include <string.h>
-
 enum { FLOOR, BOX, SLIDER, SENSOR, GHOST, WALL, BULLET, LIFTED, BODIES };
 
 // The axis that is up, and one beside it.

@@ -35,13 +35,6 @@ static void unmap(mover *m, duet_state_part part)
     must(duet_motion_unmap_states(m->motion, part, ERR));
 }
 
-static void refused(bool ok, const duet_error *err, duet_status status, const char *says)
-{
-    assert_false(ok);
-    if (err->status != status || !strstr(err->text, says))
-        fail_msg("%s: '%s', not '%s'", duet_status_name(err->status), err->text, says);
-}
-
 static void set_host_memory(bool host)
 {
     for (int side = 0; side < 2; ++side)
@@ -152,7 +145,6 @@ TEST(what_is_mapped_and_not_written_stays_bit_for_bit)
 
 TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
 {
-    duet_error err = {0};
     mover *m = make_shower(3, false);
     float *centres = map(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 2, 4);
     float *rotations = map(m, DUET_STATE_ROTATIONS, DUET_MAP_WRITE, 2, 4);
@@ -161,11 +153,10 @@ TEST(a_row_that_is_no_number_stays_mapped_to_be_mended)
     memcpy(turned, rotations + 12, sizeof turned);
     centres[4 + 1] = NAN;
     memset(rotations + 12, 0, sizeof turned);
-    refused(duet_motion_unmap_states(m->motion, DUET_STATE_CENTRES, &err), &err,
-            DUET_STATUS_BAD_OBJECT, "row 1 of 4 of the centres: a number of it is not finite");
-    err = (duet_error){0};
-    refused(duet_motion_unmap_states(m->motion, DUET_STATE_ROTATIONS, &err), &err,
-            DUET_STATUS_BAD_OBJECT, "row 3 of 4 of the rotations: it is no rotation");
+    must_fail(duet_motion_unmap_states(m->motion, DUET_STATE_CENTRES, ERR), DUET_STATUS_BAD_OBJECT,
+              "row 1 of 4 of the centres: a number of it is not finite");
+    must_fail(duet_motion_unmap_states(m->motion, DUET_STATE_ROTATIONS, ERR),
+              DUET_STATUS_BAD_OBJECT, "row 3 of 4 of the rotations: it is no rotation");
     centres[4 + 1] = kept;
     memcpy(rotations + 12, turned, sizeof turned);
     unmap(m, DUET_STATE_CENTRES);
@@ -213,38 +204,32 @@ TEST(a_disabled_body_stands_still_whatever_is_written)
 
 TEST(while_states_are_mapped_other_calls_are_refused)
 {
-    duet_error err = {0};
     duet_motion_result result;
     duet_state states[CUBES + 1];
     uint64_t hash;
     mover *m = make_shower(3, false);
     const duet_body_list list = {.first = 1, .n = 1};
     map(m, DUET_STATE_VELOCITIES, DUET_MAP_READ, 0, 2);
-#define REFUSED(call)                                                              \
-    do {                                                                           \
-        err = (duet_error){0};                                                     \
-        refused(call, &err, DUET_STATUS_BAD_ARGUMENT,                              \
-                "velocities are mapped; expected duet_motion_unmap_states first"); \
-    } while (0)
-    REFUSED(duet_motion_advance(m->motion, &result, &err));
-    REFUSED(duet_motion_get_states(m->motion, states, &err));
-    REFUSED(duet_motion_get_hash(m->motion, &hash, &err));
-    REFUSED(duet_motion_wake_bodies(m->motion, list, &err));
-    REFUSED(duet_motion_set_poses(m->motion, list, m->poses, &err));
-    REFUSED(duet_motion_add_bodies(m->motion, m->poses, NULL, 1, NULL, &err));
-    REFUSED(duet_motion_set_def(m->motion, &m->def, &err));
-    REFUSED(duet_motion_save(m->motion, "mapped.duet", &err));
-    REFUSED(duet_motion_load(m->motion, "mapped.duet", &err));
+#define REFUSED(call)                         \
+    must_fail(call, DUET_STATUS_BAD_ARGUMENT, \
+              "velocities are mapped; expected duet_motion_unmap_states first")
+    REFUSED(duet_motion_advance(m->motion, &result, ERR));
+    REFUSED(duet_motion_get_states(m->motion, states, ERR));
+    REFUSED(duet_motion_get_hash(m->motion, &hash, ERR));
+    REFUSED(duet_motion_wake_bodies(m->motion, list, ERR));
+    REFUSED(duet_motion_set_poses(m->motion, list, m->poses, ERR));
+    REFUSED(duet_motion_add_bodies(m->motion, m->poses, NULL, 1, NULL, ERR));
+    REFUSED(duet_motion_set_def(m->motion, &m->def, ERR));
+    REFUSED(duet_motion_save(m->motion, "mapped.duet", ERR));
+    REFUSED(duet_motion_load(m->motion, "mapped.duet", ERR));
     assert_int_equal(duet_motion_get_count(m->motion), m->n);
-    err = (duet_error){0};
-    refused(duet_motion_map_states(m->motion, DUET_STATE_VELOCITIES, DUET_MAP_READ, 0, 1, &err),
-            &err, DUET_STATUS_BAD_ARGUMENT, "velocities are mapped already");
+    must_fail(duet_motion_map_states(m->motion, DUET_STATE_VELOCITIES, DUET_MAP_READ, 0, 1, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "velocities are mapped already");
     mover_free(m); // mapped as it is
 }
 
 TEST(what_cannot_be_mapped_is_refused_by_name)
 {
-    duet_error err = {0};
     mover *plain = mover_new(3);
     mover_add_cube(plain, 0, 0, 0, 1);
     plain->bodies[0].velocity[0] = 1.0f;
@@ -262,23 +247,20 @@ TEST(what_cannot_be_mapped_is_refused_by_name)
         {DUET_STATE_ANGULAR_VELOCITIES, DUET_MAP_READ, 0, 1, "needs the effect angular_velocity"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        err = (duet_error){0};
-        refused(duet_motion_map_states(m, (duet_state_part)wrong[i].part,
-                                       (duet_map_access)wrong[i].access, wrong[i].first, wrong[i].n,
-                                       &err),
-                &err, DUET_STATUS_BAD_ARGUMENT, wrong[i].says);
+        must_fail(duet_motion_map_states(m, (duet_state_part)wrong[i].part,
+                                         (duet_map_access)wrong[i].access, wrong[i].first,
+                                         wrong[i].n, ERR),
+                  DUET_STATUS_BAD_ARGUMENT, wrong[i].says);
     }
-    err = (duet_error){0};
-    refused(duet_motion_unmap_states(m, DUET_STATE_CENTRES, &err), &err, DUET_STATUS_BAD_ARGUMENT,
-            "centres are not mapped; expected duet_motion_map_states first");
+    must_fail(duet_motion_unmap_states(m, DUET_STATE_CENTRES, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "centres are not mapped; expected duet_motion_map_states first");
     assert_string_equal(duet_state_part_name(DUET_STATE_ROTATIONS), "rotations");
     assert_null(duet_state_part_name((duet_state_part)9));
     map(plain, DUET_STATE_CENTRES, DUET_MAP_WRITE, 1, 0); // a map of no rows
     unmap(plain, DUET_STATE_CENTRES);
-    err = (duet_error){0};
     must(duet_motion_record(m, ERR));
-    refused(duet_motion_map_states(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 0, 1, &err), &err,
-            DUET_STATUS_BAD_ARGUMENT, "what is written in place is not recorded");
+    must_fail(duet_motion_map_states(m, DUET_STATE_CENTRES, DUET_MAP_WRITE, 0, 1, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "what is written in place is not recorded");
     map(plain, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1);
 }
 

@@ -148,7 +148,6 @@ TEST(a_fall_far_away_follows_its_parabola)
 
 TEST(a_loaded_motion_is_in_the_saved_one_s_cells)
 {
-    duet_error err = {0};
     const char *path = "test_origin_motion.saved";
     mover *saved = stack_at(3, 4, far), *loaded = stack_at(3, 4, far);
     mover_run(saved, 30);
@@ -162,16 +161,13 @@ TEST(a_loaded_motion_is_in_the_saved_one_s_cells)
     loaded = stack_at(3, 4, far);
     loaded->def.origin_edge = 2;
     mover_run(loaded, 1);
-    assert_false(duet_motion_load(loaded->motion, path, &err));
+    must_fail(duet_motion_load(loaded->motion, path, ERR), DUET_STATUS_BAD_INPUT, "");
 }
 
 static void refuse(const mover *m, const char *words)
 {
-    duet_error err = {0};
-    assert_null(duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    if (!strstr(err.text, words))
-        fail_msg("'%s' lacks '%s'", err.text, words);
+    must_fail(duet_motion_create(&m->def, m->poses, m->bodies, m->n, ERR), DUET_STATUS_BAD_ARGUMENT,
+              words);
 }
 
 TEST(a_motion_says_what_origin_cells_do_not_go_with)

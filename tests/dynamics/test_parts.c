@@ -114,7 +114,6 @@ TEST(plans_that_change_at_each_step_change_no_bit)
     rng r = rng_seed(test_seed());
     mover *fixed = make_pile(), *m = make_pile();
     for (uint32_t step = 1; step <= 40; ++step) {
-        duet_error err = {0};
         mover_run(fixed, 1);
         mover_run(m, 1);
         if (mover_hash(m) != mover_hash(fixed))
@@ -122,7 +121,7 @@ TEST(plans_that_change_at_each_step_change_no_bit)
         duet_plan plan = *duet_motion_get_plan(m->motion);
         plan.share = rng_below(&r, DUET_SHARE_ONE + 1);
         plan.mode = modes[rng_below(&r, 3)];
-        assert_ok(duet_motion_set_plan(m->motion, &plan, &err), err);
+        must(duet_motion_set_plan(m->motion, &plan, ERR));
     }
     mover_free(fixed);
     mover_free(m);

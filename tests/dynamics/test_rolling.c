@@ -4,7 +4,6 @@
 #include "support/test.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double g = 9.81;
 
@@ -143,12 +142,10 @@ TEST(a_thousand_balls_all_fall_asleep)
 // What needs a number is told.
 TEST(what_is_no_resistance_is_refused)
 {
-    duet_error err = {0};
     ball b = {.dims = 3, .radius = 0.5, .resistance = -1.0f, .dt = 1.0 / 60.0, .substeps = 4};
     mover *m = roll(&b);
-    assert_null(duet_motion_create(&m->def, m->poses, m->bodies, m->n, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "rolling resistance"));
+    must_fail(duet_motion_create(&m->def, m->poses, m->bodies, m->n, ERR), DUET_STATUS_BAD_OBJECT,
+              "rolling resistance");
 }
 
 // Set by a command it acts from then on.

@@ -392,7 +392,6 @@ TEST(a_motion_has_the_same_contacts)
 
 TEST(what_is_no_object_of_the_shape_is_refused)
 {
-    duet_error err = {0};
     duet_contact_query_result result;
     duet_rounded_box boxes[2] = {round_at(0, 0, 0, 1, 1, 1, 1), round_at(1, 0, 0, 1, 1, 1, -1)};
     const duet_sphere spheres[2] = {{{0, 0, 0}, 1}, {{1, NAN, 0}, 1}};
@@ -400,25 +399,23 @@ TEST(what_is_no_object_of_the_shape_is_refused)
     const duet_span spans[2] = {{&pair, 1}, {NULL, 0}};
     duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
     duet_contact_query *round = open_contact_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
-    assert_false(
-        duet_contact_query_run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, spans, &result, &err));
-    assert_string_equal(err.text,
+    must_fail(
+        duet_contact_query_run(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, 2, spans, &result, ERR),
+        DUET_STATUS_BAD_OBJECT, "");
+    assert_string_equal(ERR->text,
                         "object 1 of 2 is not a number, infinite, negative or without rotation");
-    err = (duet_error){0};
-    assert_false(
-        duet_contact_query_run(round, DUET_OBJECT_SPHERES, spheres, 2, spans, &result, &err));
-    assert_string_equal(err.text,
+    must_fail(duet_contact_query_run(round, DUET_OBJECT_SPHERES, spheres, 2, spans, &result, ERR),
+              DUET_STATUS_BAD_OBJECT, "");
+    assert_string_equal(ERR->text,
                         "object 1 of 2 is not a number, infinite, negative or without rotation");
-    err = (duet_error){0};
-    assert_false(
-        duet_contact_query_run(rounded, DUET_OBJECT_POSES, boxes, 2, spans, &result, &err));
-    assert_string_equal(err.text, "objects of kind 0; the query is of rounded boxes");
-    err = (duet_error){0};
+    must_fail(duet_contact_query_run(rounded, DUET_OBJECT_POSES, boxes, 2, spans, &result, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "objects of kind 0; the query is of rounded boxes");
     duet_contact_query_def def = duet_default_contact_query_def();
     def.pair = devices;
     def.shape = DUET_SHAPE_BOUNDS;
-    assert_null(duet_contact_query_create(&def, &err));
-    assert_string_equal(err.text,
+    must_fail(duet_contact_query_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text,
                         "shape is 1; contacts are those of poses, rounded boxes or spheres");
 }
 

@@ -7,7 +7,6 @@
 #include "base/rng.h"
 
 #include <math.h>
-#include <string.h>
 
 static uint32_t add_round(mover *m, double x, double y, double z, const double half[3],
                           double radius)
@@ -456,19 +455,17 @@ TEST(recordings_and_saved_motions_have_radii)
 
 TEST(radii_need_their_effect)
 {
-    duet_error err = {0};
     mover *m = on_a_floor(0.5);
     mover_add_rough_cube(m, 0, 0, 0.5);
     mover_run(m, 0);
     duet_pose pose = {.centre = {0, 0, 5}, .rotation = {0, 0, 0, 1}};
     duet_body body = duet_default_body();
     body.radius = 0.5f;
-    assert_false(duet_motion_add_bodies(m->motion, &pose, &body, 1, NULL, &err));
-    assert_non_null(strstr(err.text, "needs the effect radius; expected the motion's wants"));
+    must_fail(duet_motion_add_bodies(m->motion, &pose, &body, 1, NULL, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "needs the effect radius; expected the motion's wants");
     body.radius = -1;
-    err = (duet_error){0};
-    assert_null(duet_motion_create(&m->def, &pose, &body, 1, &err));
-    assert_non_null(strstr(err.text, "the radius must be 0 or above"));
+    must_fail(duet_motion_create(&m->def, &pose, &body, 1, ERR), DUET_STATUS_BAD_OBJECT,
+              "the radius must be 0 or above");
 }
 
 // Two devices, shares and modes; and a scene's objects instead of poses and bodies.

@@ -4,7 +4,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text_file.h"
+#include "base/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -54,21 +54,17 @@ static mover *make_pile(duet_device_pair *pair, int kind, const way *w)
 
 static void command(mover *m, uint64_t step)
 {
-    duet_error err = {0};
     const uint64_t id = 7 + step, other = 90 + step;
     const duet_force force = {.force = {1, 2, 3}};
     const duet_body_list one = {.ids = &id, .n = 1}, two = {.ids = &other, .n = 1};
-    assert_ok(duet_motion_apply_forces(m->motion, one, &force, &err), err);
-    assert_ok(duet_motion_remove_bodies(m->motion, two, &err), err);
+    must(duet_motion_apply_forces(m->motion, one, &force, ERR));
+    must(duet_motion_remove_bodies(m->motion, two, ERR));
     if (step % 2)
-        assert_ok(
-            duet_motion_add_bodies(m->motion, &m->poses[other], &m->bodies[other], 1, NULL, &err),
-            err);
+        must(duet_motion_add_bodies(m->motion, &m->poses[other], &m->bodies[other], 1, NULL, ERR));
 }
 
 static text bytes_after(duet_device_pair *pair, int kind, const way *w, uint32_t steps)
 {
-    duet_error err = {0};
     mover *m = make_pile(pair, kind, w);
     mover_run(m, steps);
     for (uint64_t k = 0; kind & COMMANDS && k < 4; ++k) {
@@ -77,7 +73,7 @@ static text bytes_after(duet_device_pair *pair, int kind, const way *w, uint32_t
     }
     if (kind & COMMANDS)
         command(m, 5);
-    assert_ok(duet_motion_save(m->motion, "saved", &err), err);
+    must(duet_motion_save(m->motion, "saved", ERR));
     mover_free(m);
     return test_read_file("saved");
 }
@@ -87,8 +83,7 @@ TEST(the_bytes_of_a_state_do_not_tell_which_devices_made_it)
     duet_error err = {0};
     rng r = rng_seed(test_seed());
     duet_device_pair *one = duet_device_pair_open("cpu", &err);
-    duet_device_pair *two = one ? duet_device_pair_open("halves", &err) : NULL;
-    assert_ok(two, err);
+    duet_device_pair *two = must(one ? duet_device_pair_open("halves", ERR) : NULL);
     for (int i = 0; i < 4; ++i) {
         int kind = (int)rng_below(&r, KINDS);
         uint32_t steps = 1 + rng_below(&r, 60);

@@ -13,13 +13,11 @@
 #include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/level_cost.h"
-#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "runtime/opencl/cache.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 static const char *folder;

@@ -71,15 +71,12 @@ TEST(what_is_wrong_is_told_with_its_line)
         {"return {\n name = 12 }", "scene.lua:2: name must be a text in quotes, is 12"},
         {"return {\n world = 12 }", "scene.lua:2: world must be a table, is 12"},
     };
-    duet_error err = {0};
     script *s = kept(sandbox_open(NULL, ERR));
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         settings found;
-        err = (duet_error){0};
-        assert_false(read(s, cases[i][0], &found, &err));
-        if (strncmp(err.text, cases[i][1], strlen(cases[i][1])) != 0)
-            fail_msg("%s, wanted %s", err.text, cases[i][1]);
-        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
+        must_fail(read(s, cases[i][0], &found, ERR), DUET_STATUS_BAD_INPUT, "");
+        if (strncmp(ERR->text, cases[i][1], strlen(cases[i][1])) != 0)
+            fail_msg("%s, wanted %s", ERR->text, cases[i][1]);
         assert_int_equal(lua_gettop(script_lua(s)), 0);
     }
 }

@@ -4,7 +4,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text_file.h"
+#include "base/text.h"
 #include "gen/gen.h"
 
 #include <sha256.h>
@@ -100,11 +100,9 @@ TEST(what_was_made_before_changes_no_text)
         uint32_t n;
         uint64_t count;
         gen *other = gen_open(NULL, &err);
-        assert_ok(
-            other && gen_params(g, name, limits, &params, &n, &err) &&
-                gen_count(g, name, limits, &count, &err) &&
-                gen_config(g, name, limits, rng_below(&r, count < 4 ? count : 4), config, &err),
-            err);
+        must(other && gen_params(g, name, limits, &params, &n, ERR) &&
+             gen_count(g, name, limits, &count, ERR) &&
+             gen_config(g, name, limits, rng_below(&r, count < 4 ? count : 4), config, ERR));
         must(gen_make(g, name, config, n, limits, &used, ERR));
         must(gen_make(other, name, config, n, limits, &fresh, ERR));
         assert_string_equal(used.text, fresh.text);
@@ -183,10 +181,9 @@ TEST(settings_that_do_not_fit_are_refused)
     };
     gen *g = open_test_kernels();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        duet_error err = {0};
         gen_variant v;
-        assert_false(gen_make(g, cases[i].kernel, &cases[i].setting, 1, &gpu, &v, &err));
-        expect(err, cases[i].status, cases[i].wanted);
+        must_fail(gen_make(g, cases[i].kernel, &cases[i].setting, 1, &gpu, &v, ERR),
+                  cases[i].status, cases[i].wanted);
         assert_null(v.text);
     }
 }
@@ -224,23 +221,21 @@ TEST(offers_that_do_not_fit_are_refused)
     };
     gen *g = open_test_kernels();
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        duet_error err = {0};
         gen_variant v;
-        assert_false(gen_make_offered(g, "plain", &cases[i].offer, 1, &gpu, &v, &err));
-        expect(err, DUET_STATUS_BAD_ARGUMENT, cases[i].wanted);
+        must_fail(gen_make_offered(g, "plain", &cases[i].offer, 1, &gpu, &v, ERR),
+                  DUET_STATUS_BAD_ARGUMENT, cases[i].wanted);
         assert_null(v.text);
     }
 }
 
 TEST(a_group_above_the_device_is_never_valid)
 {
-    duet_error err = {0};
     gen_limits small = gpu;
     small.max_group = 32;
     gen *g = open_test_kernels();
     gen_variant v;
-    assert_false(gen_make(g, "plain", NULL, 0, &small, &v, &err));
-    expect(err, DUET_STATUS_BAD_ARGUMENT, "a group of 64 is above the device's 32");
+    must_fail(gen_make(g, "plain", NULL, 0, &small, &v, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "a group of 64 is above the device's 32");
 }
 
 TEST(defaults_follow_the_limits)
@@ -265,7 +260,6 @@ TEST(defaults_follow_the_limits)
 // Every config by number, against three loops.
 TEST(configs_are_counted_and_found_by_number)
 {
-    duet_error err = {0};
     gen_limits small = gpu;
     small.local_bytes = 256; // no group of 256
     gen *g = open_test_kernels();
@@ -283,8 +277,8 @@ TEST(configs_are_counted_and_found_by_number)
                 assert_int_equal(config[3].value, per_item);
             }
     assert_int_equal(count, index);
-    assert_false(gen_config(g, "plain", &small, count, config, &err));
-    expect(err, DUET_STATUS_BAD_ARGUMENT, "plain: config 10 of 10");
+    must_fail(gen_config(g, "plain", &small, count, config, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "plain: config 10 of 10");
 }
 
 TEST(a_large_space_is_counted_block_by_block)
@@ -444,7 +438,6 @@ TEST(lines_of_lua_choose_in_plain_text)
 
 TEST(a_broken_kernel_does_not_stop_the_others)
 {
-    duet_error err = {0};
     test_make_folder(folder);
     write_file("bad.lua", "return {");
     write_file("good.lua", CARD("", ""));
@@ -455,8 +448,7 @@ TEST(a_broken_kernel_does_not_stop_the_others)
     assert_string_equal(gen_kernel(g, 1), "good");
     assert_null(gen_kernel(g, 2));
     gen_variant v;
-    assert_false(gen_make(g, "bad", NULL, 0, &gpu, &v, &err));
-    err = (duet_error){0};
+    must_fail(gen_make(g, "bad", NULL, 0, &gpu, &v, ERR), DUET_STATUS_BUILD_FAILED, "");
     must(gen_make(g, "good", NULL, 0, &gpu, &v, ERR));
     gen_variant_free(&v);
     write_file("bad.lua", CARD("", "")); // mended
@@ -467,21 +459,15 @@ TEST(a_broken_kernel_does_not_stop_the_others)
 
 TEST(a_folder_takes_only_the_common_header_from_carried_files)
 {
-    duet_error err = {0};
-    assert_null(gen_open("no/such/folder", &err));
-    expect(err, DUET_STATUS_NOT_FOUND, "kernel folder no/such/folder");
+    must_fail(gen_open("no/such/folder", ERR), DUET_STATUS_NOT_FOUND,
+              "kernel folder no/such/folder");
     test_make_folder(folder);
-    err = (duet_error){0};
-    assert_null(gen_open(folder, &err));
-    expect(err, DUET_STATUS_NOT_FOUND, "no card (*.lua) in it");
+    must_fail(gen_open(folder, ERR), DUET_STATUS_NOT_FOUND, "no card (*.lua) in it");
     write_file("scan.lua", CARD("", ""));
-    err = (duet_error){0};
     gen *g = must(gen_open(folder, ERR));
     gen_variant v;
-    assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
-    expect(err, DUET_STATUS_NOT_FOUND, "/scan.cl: ");
+    must_fail(gen_make(g, "scan", NULL, 0, &gpu, &v, ERR), DUET_STATUS_NOT_FOUND, "/scan.cl: ");
     write_file("scan.cl", "\n");
-    err = (duet_error){0};
     must(gen_make(g, "scan", NULL, 0, &gpu, &v, ERR));
     assert_non_null(strstr(v.text, "FP_CONTRACT OFF"));
     gen_variant_free(&v);
@@ -495,10 +481,51 @@ TEST(a_folder_takes_only_the_common_header_from_carried_files)
     gen_close(g);
     must((g = gen_open(folder, ERR)));
     write_file("scan.cl.in", "\n");
-    err = (duet_error){0};
-    assert_false(gen_make(g, "scan", NULL, 0, &gpu, &v, &err));
-    expect(err, DUET_STATUS_BUILD_FAILED, "scan.cl stands beside scan.cl.in: keep one of them");
+    must_fail(gen_make(g, "scan", NULL, 0, &gpu, &v, ERR), DUET_STATUS_BUILD_FAILED,
+              "scan.cl stands beside scan.cl.in: keep one of them");
     gen_close(g);
+}
+
+static void expect_same_text(gen *g, gen *other, const char *name)
+{
+    gen_variant v, w;
+    must(gen_make(g, name, NULL, 0, &gpu, &v, ERR));
+    must(gen_make(other, name, NULL, 0, &gpu, &w, ERR));
+    assert_string_equal(v.text, w.text);
+    assert_string_equal(v.sha256, w.sha256);
+    gen_variant_free(&v);
+    gen_variant_free(&w);
+}
+
+TEST(an_added_kernel_is_the_kernel_of_a_folder)
+{
+    static const char card[] = CARD("{ 'A', values = { 1, 2 } }", ""), body[] = "int a = A;";
+    duet_error err = {0};
+    char of_ours[sizeof body];
+    strcpy(of_ours, body);
+    test_make_folder(folder);
+    write_file("k.lua", card);
+    write_file("k.cl", body);
+    gen *g = kept(gen_open(folder, ERR)), *carried = kept(gen_open(NULL, ERR));
+    assert_non_null(gen_built_ins(carried));
+    must(gen_add(carried, "k", card, of_ours, ERR));
+    memset(of_ours, 0, sizeof of_ours);
+    assert_null(gen_built_ins(carried)); // it may call any
+    expect_same_text(g, carried, "k");
+    must(gen_add(carried, "k", card, "int other;\n", ERR)); // in the place of the first
+    write_file("k.cl", "int other;\n");
+    expect_same_text(kept(gen_open(folder, ERR)), carried, "k");
+    must(gen_add(carried, "scan", card, body, ERR)); // and of a carried one
+    gen_variant v;
+    must(gen_make(carried, "scan", NULL, 0, &gpu, &v, ERR));
+    assert_non_null(strstr(v.text, "int a = A;"));
+    gen_variant_free(&v);
+    assert_false(gen_add(carried, "a/b", card, body, &err));
+    expect(err, DUET_STATUS_BAD_ARGUMENT, "a kernel's name is 'a/b'");
+    must(gen_add(carried, "bad", "return {", body, ERR));
+    err = (duet_error){0};
+    assert_false(gen_make(carried, "bad", NULL, 0, &gpu, &v, &err));
+    expect(err, DUET_STATUS_BUILD_FAILED, "the card of bad:1");
 }
 
 // ------------------------------------------------------- damage

@@ -34,11 +34,10 @@ TEST(patterns_are_refused_with_their_line)
                                          "for x in ('a'):gmatch('a') do end",
                                          "string.gsub('a', 'a', 'b')"};
     for (size_t i = 0; i < sizeof chunks / sizeof *chunks; ++i) {
-        duet_error err = {0};
         script *s = kept(sandbox_open(NULL, ERR));
-        assert_false(script_run(s, "card.lua", chunks[i], strlen(chunks[i]), 0, &err));
-        assert_non_null(strstr(err.text, "card.lua:1: "));
-        assert_non_null(strstr(err.text, "find(s, text, 1, true) finds plain text"));
+        must_fail(script_run(s, "card.lua", chunks[i], strlen(chunks[i]), 0, ERR),
+                  DUET_STATUS_BAD_INPUT, "card.lua:1: ");
+        assert_non_null(strstr(ERR->text, "find(s, text, 1, true) finds plain text"));
     }
 }
 

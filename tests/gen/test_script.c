@@ -130,13 +130,12 @@ TEST(an_error_of_any_kind_is_one_line_with_a_place)
 
 TEST(a_long_path_is_named_whole)
 {
-    duet_error err = {0};
     script *s = kept(sandbox_open(NULL, ERR));
     const char *path = "some/folder/whose/name/goes/on/and/on/until/it/is/longer/than/sixty/x.lua";
-    assert_false(script_run(s, path, "\nerror('here')", 14, 0, &err));
     char wanted[200];
     snprintf(wanted, sizeof wanted, "%s:2: here", path);
-    assert_string_equal(err.text, wanted);
+    must_fail(script_run(s, path, "\nerror('here')", 14, 0, ERR), DUET_STATUS_BAD_INPUT, wanted);
+    assert_string_equal(ERR->text, wanted);
 }
 
 TEST(nothing_dangerous_is_within_reach)
@@ -166,11 +165,9 @@ TEST(every_run_gives_the_same)
         "local out = {}\n"
         "for k, v in pairs(t) do out[#out + 1] = tostring(k) .. '=' .. v end\n"
         "return table.concat(out, ',')";
-    duet_error err = {0};
-    script *a = sandbox_open(NULL, &err);
-    script *b = sandbox_open(NULL, &err);
-    assert_ok(a && b, err);
-    assert_ok(run(a, chunk, 1, &err) && run(b, chunk, 1, &err), err);
+    script *a = must(sandbox_open(NULL, ERR));
+    script *b = must(sandbox_open(NULL, ERR));
+    must(run(a, chunk, 1, ERR) && run(b, chunk, 1, ERR));
     const char *said = lua_tostring(script_lua(a), -1);
     assert_string_equal(said, lua_tostring(script_lua(b), -1));
     assert_int_equal(strncmp(said, "0.5=half,1=3,2=1,3=2,k", 22), 0);

@@ -4,8 +4,6 @@
 // share, against the plain C reference.
 #include "support/test.h"
 
-#include "runtime/duet.h"
-
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -7,7 +7,6 @@
 #include "support/devices.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 
 #include <string.h>
 
@@ -53,17 +52,15 @@ static void fill(scene *s, rng *r)
 // The sum over the pairs that such a world finds.
 static uint64_t pairs_of(const scene *s, duet_world_def def, const char *words)
 {
-    duet_error err = {0};
     duet_result result;
     def.pair = devices;
     def.plan = (duet_plan){.mode = DUET_MODE_OWN};
     strcpy(def.plan.variant_a, words);
     strcpy(def.plan.variant_b, words);
     duet_world *world = kept(duet_world_create(&def, ERR));
-    assert_ok(def.shape == DUET_SHAPE_POSES
-                  ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, OBJECTS, &err)
-                  : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, OBJECTS, &err),
-              err);
+    must(def.shape == DUET_SHAPE_POSES
+             ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, OBJECTS, ERR)
+             : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, OBJECTS, ERR));
     must(duet_world_step(world, &result, ERR));
     assert_true(result.pairs > 0);
     return duet_result_get_hash(&result);

@@ -65,10 +65,11 @@ TEST(a_house_of_cards_stands)
 
 TEST(a_great_pile_does_not_sleep_deep)
 {
-    double f[3];
+    double f[6];
     figures("effects.md",
-            "| # boxes of `falling.lua`, # s | all sleep, and no contact is deeper than # slops", 3,
-            f);
+            "| # boxes of `falling.lua`, # s | all sleep, no contact is deeper than # slops, and of "
+            "# points at most # is deeper than #",
+            6, f);
     assert_close(f[0], 20000, 0.0);
     const double slop = 0.003; // nearly what it is by itself
     const duet_setting n = {"n", "20000"};
@@ -83,12 +84,17 @@ TEST(a_great_pile_does_not_sleep_deep)
     uint64_t n_contacts = 0;
     must(duet_motion_get_contacts(motion, &contacts, &n_contacts, ERR));
     assert_true(n_contacts > 2 * f[0]);
-    double deepest = 0.0;
+    double deepest = 0.0, n_points = 0.0, n_deep = 0.0;
     for (uint64_t i = 0; i < n_contacts; ++i)
-        for (uint32_t k = 0; k < contacts[i].n; ++k)
-            deepest = fmax(deepest, -(double)contacts[i].points[k].separation);
-    print_message("%g slops\n", deepest / slop);
+        for (uint32_t k = 0; k < contacts[i].n; ++k) {
+            double depth = -(double)contacts[i].points[k].separation;
+            deepest = fmax(deepest, depth);
+            n_points += 1.0;
+            n_deep += depth > f[5] * slop;
+        }
+    print_message("%g slops, %g of %g points\n", deepest / slop, n_deep, n_points);
     assert_true(deepest < f[2] * slop);
+    assert_true(f[3] * n_deep <= f[4] * n_points);
     free(contacts);
 }
 

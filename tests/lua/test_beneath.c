@@ -6,7 +6,6 @@
 #include "support/program.h"
 #include "support/store.h"
 
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

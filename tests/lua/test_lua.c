@@ -5,7 +5,7 @@
 #include "support/test.h"
 
 #include "base/clock.h"
-#include "base/text_file.h"
+#include "base/text.h"
 
 #include <poll.h>
 #include <pty.h>

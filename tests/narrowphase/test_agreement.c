@@ -142,12 +142,10 @@ TEST(devices_find_each_levels_reference)
 
 TEST(a_level_that_there_is_not_is_refused)
 {
-    duet_error err = {0};
     duet_world_def world = duet_default_world_def();
     world.pair = devices;
     world.level = (duet_level)DUET_LEVELS;
-    assert_null(duet_world_create(&world, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(duet_world_create(&world, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
 
 int main(int argc, char **argv)

@@ -6,7 +6,6 @@
 #include "support/hard_test.h"
 
 #include "base/rng.h"
-#include "runtime/opencl/device.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -171,13 +170,12 @@ TEST(touching_pairs_are_decided_on_the_host_and_counted)
 
 static void expect_refused(const duet_pose *poses, uint64_t n, uint32_t share, const char *why)
 {
-    duet_error err = {0};
     duet_pair_query_result result;
     uint8_t *answers = test_alloc(n);
     duet_pair_query *test = open_test(DUET_LEVEL_SAT15, share);
-    assert_false(duet_pair_query_run(test, poses, n, answers, NULL, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_string_equal(err.text, why);
+    must_fail(duet_pair_query_run(test, poses, n, answers, NULL, &result, ERR),
+              DUET_STATUS_BAD_OBJECT, "");
+    assert_string_equal(ERR->text, why);
 }
 
 TEST(each_kind_of_bad_pose_is_named_with_its_pair)
@@ -214,7 +212,6 @@ TEST(of_several_bad_pairs_the_first_is_named)
 
 TEST(a_test_goes_on_after_a_refusal)
 {
-    duet_error err = {0};
     duet_pair_query_result result;
     uint8_t answer;
     duet_pose poses[2] = {cube_at(0, 0, 0), cube_at(0, 0, 0)};
@@ -224,8 +221,9 @@ TEST(a_test_goes_on_after_a_refusal)
     poses[0].half_extents[0] = 1;
     must(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, ERR));
     assert_int_equal(answer, 1);
-    assert_false(duet_pair_query_run(test, NULL, 1, &answer, NULL, &result, &err));
-    assert_string_equal(err.text, "1 pairs, but no memory for their poses");
+    must_fail(duet_pair_query_run(test, NULL, 1, &answer, NULL, &result, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "1 pairs, but no memory for their poses");
 }
 
 TEST(a_wrong_def_is_told)
@@ -246,9 +244,8 @@ TEST(a_wrong_def_is_told)
     wrong[3].level = (duet_level)DUET_LEVELS;
     wrong[4].share = DUET_SHARE_ONE + 1;
     for (int i = 0; i < 5; ++i) {
-        duet_error err = {0};
-        assert_null(duet_pair_query_create(&wrong[i], &err));
-        assert_string_equal(err.text, why[i]);
+        must_fail(duet_pair_query_create(&wrong[i], ERR), DUET_STATUS_BAD_ARGUMENT, "");
+        assert_string_equal(ERR->text, why[i]);
     }
 }
 

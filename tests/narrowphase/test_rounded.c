@@ -10,7 +10,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { RANDOM_PAIRS = 1500, WHOLE_PAIRS = 40000 };
 
@@ -255,39 +254,28 @@ typedef struct touching {
         0, 0, 0, 1 \
     }
 
+#define CASE(what, dims, ...)   \
+    {                           \
+        what, dims, __VA_ARGS__ \
+    }
+
 static const touching cases[] = {
-    {"spheres along 2 3 6",
-     3,
-     {{{0, 0, 0}, {0, 0, 0}, STRAIGHT}, 3},
-     {{{2, 3, 6}, {0, 0, 0}, STRAIGHT}, 4}},
-    {"discs along 3 4",
-     2,
-     {{{0, 0, 0}, {0, 0, 0}, STRAIGHT}, 1},
-     {{{3, 4, 9}, {0, 0, 0}, STRAIGHT}, 4}},
-    {"a corner of a turned box, and a sphere 2 3 6 from it",
-     3,
-     {{{0, 0, 0}, {5, 5, 5}, TURNED}, 0},
-     {{{-1 + 2, 7 + 6, 5 + 3}, {0, 0, 0}, STRAIGHT}, 7}},
-    {"a corner of a turned rounded box, in 2D",
-     2,
-     {{{0, 0, 0}, {5, 5, 0}, TURNED}, 2},
-     {{{-1 - 3, 7 + 4, 0}, {0, 0, 0}, STRAIGHT}, 3}},
-    {"crossing capsules, one above the other",
-     3,
-     {{{0, 0, 0}, {8, 0, 0}, STRAIGHT}, 1},
-     {{{1, 2, 3}, {5, 0, 0}, TURNED}, 2}},
-    {"parallel turned capsules side by side: 10 across 3/5 4/5",
-     3,
-     {{{0, 0, 0}, {7, 0, 0}, TURNED}, 4},
-     {{{-8, 6, 0}, {9, 0, 0}, TURNED}, 6}},
-    {"a face of a turned box, and a sphere",
-     3,
-     {{{0, 0, 0}, {10, 1, 1}, TURNED}, 0},
-     {{{-4, 3, 0}, {0, 0, 0}, STRAIGHT}, 4}},
-    {"faces of turned rounded boxes",
-     3,
-     {{{0, 0, 0}, {3, 1, 2}, TURNED}, 1},
-     {{{-8, 6, 0}, {2, 3, 1}, TURNED}, 5}},
+    CASE("spheres along 2 3 6", 3, {{{0, 0, 0}, {0, 0, 0}, STRAIGHT}, 3},
+         {{{2, 3, 6}, {0, 0, 0}, STRAIGHT}, 4}),
+    CASE("discs along 3 4", 2, {{{0, 0, 0}, {0, 0, 0}, STRAIGHT}, 1},
+         {{{3, 4, 9}, {0, 0, 0}, STRAIGHT}, 4}),
+    CASE("a corner of a turned box, and a sphere 2 3 6 from it", 3,
+         {{{0, 0, 0}, {5, 5, 5}, TURNED}, 0}, {{{-1 + 2, 7 + 6, 5 + 3}, {0, 0, 0}, STRAIGHT}, 7}),
+    CASE("a corner of a turned rounded box, in 2D", 2, {{{0, 0, 0}, {5, 5, 0}, TURNED}, 2},
+         {{{-1 - 3, 7 + 4, 0}, {0, 0, 0}, STRAIGHT}, 3}),
+    CASE("crossing capsules, one above the other", 3, {{{0, 0, 0}, {8, 0, 0}, STRAIGHT}, 1},
+         {{{1, 2, 3}, {5, 0, 0}, TURNED}, 2}),
+    CASE("parallel turned capsules side by side: 10 across 3/5 4/5", 3,
+         {{{0, 0, 0}, {7, 0, 0}, TURNED}, 4}, {{{-8, 6, 0}, {9, 0, 0}, TURNED}, 6}),
+    CASE("a face of a turned box, and a sphere", 3, {{{0, 0, 0}, {10, 1, 1}, TURNED}, 0},
+         {{{-4, 3, 0}, {0, 0, 0}, STRAIGHT}, 4}),
+    CASE("faces of turned rounded boxes", 3, {{{0, 0, 0}, {3, 1, 2}, TURNED}, 1},
+         {{{-8, 6, 0}, {2, 3, 1}, TURNED}, 5}),
 };
 
 TEST(what_touches_collides_and_an_ulp_less_does_not)

@@ -158,11 +158,9 @@ static void as_other(bool other)
 
 static void assert_folder_refused(const char *says)
 {
-    duet_error err = {0};
-    assert_false(cache_check(dir, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    if (!strstr(err.text, says) || !strstr(err.text, dir))
-        fail_msg("'%s' for '%s' in %s", err.text, says, dir);
+    must_fail(cache_check(dir, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    if (!strstr(ERR->text, says) || !strstr(ERR->text, dir))
+        fail_msg("'%s' for '%s' in %s", ERR->text, says, dir);
     assert_kept(false);
     assert_false(cache_put(dir, key, binary, sizeof binary));
 }
@@ -206,13 +204,10 @@ TEST(a_link_to_a_folder_is_refused)
 
 TEST(a_pair_of_devices_does_not_open_on_such_a_folder)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.cache_dir = dir;
     assert_int_equal(chmod(dir, 0777), 0);
-    assert_null(duet_device_pair_create(&def, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, dir));
+    must_fail(duet_device_pair_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, dir);
 }
 
 TEST(an_entry_of_another_user_is_not_taken)
@@ -391,14 +386,13 @@ TEST(a_cache_that_outgrew_its_limit_loses_what_was_not_used)
 
 TEST(a_folder_that_cannot_be_written_is_said)
 {
-    duet_error err = {0};
     char missing[96];
     snprintf(missing, sizeof missing, "%.40s/a/b", dir);
     assert_true(cache_put(dir, key, binary, sizeof binary));
     must(cache_check_writable(missing, ERR)); // made, with the one above
     assert_int_equal(access(missing, W_OK), 0);
-    assert_false(cache_check_writable("/proc/duet", &err));
-    assert_non_null(strstr(err.text, "built kernels cannot be kept in /proc/duet: "));
+    must_fail(cache_check_writable("/proc/duet", ERR), DUET_STATUS_BAD_ARGUMENT,
+              "built kernels cannot be kept in /proc/duet: ");
     assert_int_equal(rmdir(missing), 0);
     *strrchr(missing, '/') = '\0';
     assert_int_equal(rmdir(missing), 0);

@@ -7,7 +7,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/driver.h"
 
@@ -214,7 +213,8 @@ static void map_memory(bool always)
 {
     for (int side = 0; side < 2; ++side) {
         device *d = &devices->devices[side];
-        d->driver.in_place = !always && driver_of(&d->info).in_place;
+        const uint32_t quirks = driver_quirks(&d->info);
+        d->quirks = always ? quirks & ~(uint32_t)DRIVER_IN_PLACE : quirks;
     }
 }
 
@@ -243,7 +243,7 @@ static void assert_right(duet_world *world, uint32_t share)
 static bool is_borne(call c)
 {
     const device *d = &devices->devices[1];
-    return (c == CREATE && !d->info.host_memory) || (c == BUILD && !d->driver.keeps_kernels);
+    return (c == CREATE && !d->info.host_memory) || (c == BUILD && !(d->quirks & DRIVER_KEEPS_KERNELS));
 }
 
 // Lets the k-th call of a step fail; false where the step has no such call.
@@ -292,7 +292,7 @@ TEST(where_kernels_work_in_place_nothing_is_mapped)
     fail_each(DUET_MODE_SHARED, LAUNCH, MAP);
     fail_each(DUET_MODE_SLAB, LAUNCH, MAP);
     const device *d = devices->devices;
-    assert_int_equal(atomic_load(&maps) > before, !d[0].driver.in_place || !d[1].driver.in_place);
+    assert_int_equal(atomic_load(&maps) > before, !(d[0].quirks & d[1].quirks & DRIVER_IN_PLACE));
 }
 
 // Takes the CPU's parts for devices with memory of their own, which all is copied to and from.
@@ -359,8 +359,8 @@ TEST(a_test_of_pairs_survives_as_well)
 TEST(every_launch_of_a_pocl_cpu_has_one_width)
 {
     assert_true(atomic_load(&launches) > 0);
-    if (driver_of(&devices->devices[0].info).third_axis &&
-        driver_of(&devices->devices[1].info).third_axis)
+    if (driver_quirks(&devices->devices[0].info) & driver_quirks(&devices->devices[1].info) &
+        DRIVER_TWO_WIDTHS)
         assert_int_equal(atomic_load(&wide), 0);
     else
         assert_true(atomic_load(&wide) > 0);

@@ -3,7 +3,6 @@
 // knows otherwise, are refused when the kernel is built, and their order is the card's own.
 #include "base/rng.h"
 #include "base/text_file.h"
-#include "runtime/duet.h"
 #include "support/kernels.h"
 #include "support/test.h"
 
@@ -158,12 +157,11 @@ TEST(a_card_that_the_host_does_not_know_is_refused)
 
 TEST(the_order_is_the_card_s_own)
 {
-    duet_error err = {0};
     duet_result before, after;
     uint64_t hash_before, hash_after;
     test_kernels_write(FOLDER, "", "", "");
     open_folder();
-    assert_ok(step_world("gpu", &before, &err) && step_motion(&hash_before, &err), err);
+    must(step_world("gpu", &before, ERR) && step_motion(&hash_before, ERR));
     assert_true(before.pairs > 0);
     duet_device_pair_destroy(pair);
     change("grid/hash.lua", "uint n_levels\n      uint n_cells" BEHIND_CELLS,
@@ -173,7 +171,7 @@ TEST(the_order_is_the_card_s_own)
     change("dynamics/integrate_positions.lua", "      float4 *bodies\n      uint n\n",
            "      uint n\n      float4 *bodies\n");
     open_folder();
-    assert_ok(step_world("gpu", &after, &err) && step_motion(&hash_after, &err), err);
+    must(step_world("gpu", &after, ERR) && step_motion(&hash_after, ERR));
     assert_int_equal(before.pairs, after.pairs);
     assert_true(hash_before == hash_after);
     close_folder();

@@ -420,12 +420,10 @@ TEST(a_motion_goes_on_without_kernels_that_were_not_made)
 TEST(what_is_made_waits_no_more_for_more_buffers)
 {
     const scenario s = {.share = 2, .wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP};
-    duet_error err = {0};
     set_memory(false);
     lost_begin(LOST_ONCE, UINT32_MAX);
-    duet_motion *m = open_motion(&s, &err);
+    duet_motion *m = must(open_motion(&s, ERR));
     uint32_t n_finishes = lost_finishes();
-    assert_ok(m, err);
     lost_end();
     duet_motion_destroy(m);
     assert_true(!have_host_memory[1] || n_finishes <= 1);

@@ -157,10 +157,8 @@ TEST(a_file_without_lines_is_refused)
     profile_import_counts counts;
     static const char *const empty[] = {"", "\n \n"};
     for (size_t i = 0; i < sizeof empty / sizeof *empty; ++i) {
-        duet_error err = {0};
-        assert_false(import_lines(two.s, empty[i], &counts, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
-        assert_non_null(strstr(err.text, "rows.jsonl: is empty; expected what"));
+        must_fail(import_lines(two.s, empty[i], &counts, ERR), DUET_STATUS_BAD_INPUT,
+                  "rows.jsonl: is empty; expected what");
     }
 }
 
@@ -262,10 +260,9 @@ TEST(a_row_whose_pair_is_nowhere_is_refused)
     char *session = strstr(lines, "{\"type\":\"session\"");
     assert_non_null(session);
     profile_import_counts counts;
-    duet_error err = {0};
-    assert_false(import_lines(two.other, session, &counts, &err));
-    assert_non_null(strstr(err.text, "rows.jsonl:1: needs a row"));
-    assert_non_null(strstr(err.text, "pair_id"));
+    must_fail(import_lines(two.other, session, &counts, ERR), DUET_STATUS_BAD_INPUT,
+              "rows.jsonl:1: needs a row");
+    assert_non_null(strstr(ERR->text, "pair_id"));
     free(lines);
 }
 
@@ -294,8 +291,7 @@ TEST(spoilt_bytes_never_break_the_store)
     assert_true(refused > 50);
     text report = {0};
     uint32_t problems = 0;
-    duet_error err = {0};
-    assert_ok(profile_check(two.other, &report, &problems, &err), err);
+    must(profile_check(two.other, &report, &problems, ERR));
     assert_int_equal(problems, 0);
     text_free(&report);
 }
@@ -352,9 +348,7 @@ TEST(a_store_is_not_merged_into_itself)
 {
     two_stores two = open_two();
     profile_import_counts counts;
-    duet_error err = {0};
-    assert_false(profile_merge(two.s, two.folder.store, &counts, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(profile_merge(two.s, two.folder.store, &counts, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
 
 // ------------------------------------------------------------------- prune, check

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "profiles/forecast.h"
 #include "support/look.h"
 
 #include <math.h>

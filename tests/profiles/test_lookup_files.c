@@ -100,14 +100,13 @@ TEST(a_broken_user_file_leaves_the_systems)
     look_fixture system = look_open();
     look_tune(&system, 100000);
     test_give_back(user.s);
-    duet_error err = {0};
     must(text_write_file(user.folder.store, "rubbish", 7, ERR));
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&user.pair, &workload);
     profile_found found;
-    assert_false(
-        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, &err));
-    assert_non_null(strstr(err.text, user.folder.store));
+    must_fail(
+        profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, ERR),
+        DUET_STATUS_STORE_FAILED, user.folder.store);
     assert_int_equal(found.grade, PROFILE_EXACT);
 }
 

@@ -2,7 +2,6 @@
 // A store of another version of Duet.
 #include "support/test.h"
 
-#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "support/store.h"
 
@@ -19,8 +18,8 @@ TEST(a_store_of_another_version_is_refused_and_left_as_it_is)
         snprintf(words, sizeof words, "PRAGMA user_version = %d", versions[i]);
         test_store_run(folder.store, words);
         snprintf(words, sizeof words, "is of version %d, and this Duet knows", versions[i]);
-        assert_non_null(strstr(test_store_refusal(folder.store, STORE_READ).text, words));
-        assert_non_null(strstr(test_store_refusal(folder.store, STORE_WRITE).text, words));
+        test_store_refuses(folder.store, STORE_READ, DUET_STATUS_STORE_FAILED, words);
+        test_store_refuses(folder.store, STORE_WRITE, DUET_STATUS_STORE_FAILED, words);
     }
 }
 
@@ -68,9 +67,7 @@ TEST(an_older_store_is_copied_and_upgraded)
 TEST(an_upgrade_that_fails_changes_nothing)
 {
     store *s = test_store_fresh();
-    duet_error err = {0};
-    assert_false(migrate_upgrade(s, broken_upgrades, &err));
-    assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
+    must_fail(migrate_upgrade(s, broken_upgrades, ERR), DUET_STATUS_STORE_FAILED, "");
     assert_int_equal(version_of(s), STORE_FIRST_VERSION);
     assert_int_equal(test_count(s, "pragma_table_info('profile') WHERE name = 'colour'"), 0);
 }

@@ -118,9 +118,7 @@ TEST(a_workload_that_cannot_be_is_refused)
     bad[3].occ_mean = 0.0 / 0.0;
     for (int i = 0; i < 4; ++i) {
         char key[PROFILE_SHA];
-        duet_error err = {0};
-        assert_false(profile_workload_key(&bad[i], key, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+        must_fail(profile_workload_key(&bad[i], key, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     }
 }
 
@@ -149,7 +147,7 @@ TEST(a_trial_comes_back_as_it_went_in)
     sql q = sql_make(s, "SELECT id FROM session", &err);
     assert_true(sql_row(&q));
     tally t = {0};
-    assert_ok(profile_trial_each(s, sql_get_text(&q, 0), count_trial, &t, &err), err);
+    must(profile_trial_each(s, sql_get_text(&q, 0), count_trial, &t, ERR));
     assert_ok(sql_close(&q), err);
     assert_int_equal(t.trials, 5); // stopped when the visitor said so
     assert_int_equal(t.launches, 20);
@@ -163,7 +161,6 @@ TEST(a_trial_comes_back_as_it_went_in)
 TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
 {
     store *s = test_store_tuned();
-    duet_error err = {0};
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
@@ -173,7 +170,7 @@ TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
     assert_int_equal(number, 0);
     assert_int_equal(test_count(s, "trial WHERE outcome = 'build' AND median_ns IS NULL"), 1);
     trial.outcome = "ok";
-    assert_false(profile_trial_add(s, id, &trial, NULL, &number, &err));
+    must_fail(profile_trial_add(s, id, &trial, NULL, &number, ERR), DUET_STATUS_STORE_FAILED, "");
     assert_int_equal(test_count(s, "trial WHERE session_id <> ''"), 10);
 }
 
@@ -343,7 +340,6 @@ static int64_t is_live(store *s, const profile_placed *placed)
 TEST(a_stored_profile_is_put_to_use_and_forgotten)
 {
     store *s = test_store_fresh();
-    duet_error err = {0};
     profile_row row = gained(s, "faster", 0.1, 0.2, 20);
     profile_row unfounded = gained(s, "ambiguous", -0.1, 0.2, 3);
     profile_row elsewhere = row;
@@ -360,17 +356,13 @@ TEST(a_stored_profile_is_put_to_use_and_forgotten)
     assert_int_equal(is_live(s, &kept), 0);
     assert_int_equal(is_live(s, &other), 1);
     must(profile_use(s, research.uid, ERR)); // again
-    assert_false(profile_use(s, few.uid, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    err = (duet_error){0};
+    must_fail(profile_use(s, few.uid, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     must(profile_forget(s, research.uid, ERR));
     assert_int_equal(test_count(s, "profile"), 3);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1);
-    assert_false(profile_forget(s, research.uid, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    err = (duet_error){0};
-    assert_false(profile_forget(s, "", &err));
-    assert_non_null(strstr(err.text, "an empty name is no profile's"));
+    must_fail(profile_forget(s, research.uid, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    must_fail(profile_forget(s, "", ERR), DUET_STATUS_BAD_ARGUMENT,
+              "an empty name is no profile's");
     assert_int_equal(test_count(s, "audit WHERE what IN ('use', 'forget')"), 3);
 }
 
@@ -379,12 +371,10 @@ TEST(what_is_not_json_is_refused)
     store *s = test_store_fresh();
     static const char *const bad[] = {"", "[1]", "{\"a\":}", "{} trailing", "{\"a\":1"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        duet_error err = {0};
         profile_session session = test_session(1, 1);
         char id[PROFILE_ID];
         session.options = bad[i];
-        assert_false(profile_session_begin(s, &session, id, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+        must_fail(profile_session_begin(s, &session, id, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     }
 }
 

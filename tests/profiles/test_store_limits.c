@@ -99,8 +99,7 @@ TEST(reading_leaves_no_file_behind)
     store_close(test_store_open(folder.store, STORE_WRITE));
     store *s = test_store_open(folder.store, STORE_READ);
     assert_int_equal(test_count(s, "profile"), 0);
-    duet_error err = {0};
-    assert_false(sql_script(s, "DELETE FROM profile", &err));
+    must_fail(sql_script(s, "DELETE FROM profile", ERR), DUET_STATUS_STORE_FAILED, "");
     store_close(s);
     char side[128];
     snprintf(side, sizeof side, "%s-shm", folder.store);
@@ -361,14 +360,10 @@ TEST(a_text_that_is_too_long_is_told_of_with_its_row)
         assert_int_equal(sqlite3_open(folder.store, &db), SQLITE_OK);
         assert_int_equal(sqlite3_exec(db, change, NULL, NULL, NULL), SQLITE_OK);
         sqlite3_close(db);
-        duet_error err = {0};
         store *s = must(store_open(folder.store, STORE_READ, ERR));
         FILE *nowhere = tmpfile();
-        assert_false(profile_export(s, nowhere, "x", &err));
+        must_fail(profile_export(s, nowhere, "x", ERR), DUET_STATUS_STORE_FAILED, texts[i][1]);
         fclose(nowhere);
-        assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
-        if (!strstr(err.text, texts[i][1]))
-            fail_msg("'%s', not '%s'", err.text, texts[i][1]);
         store_close(s);
     }
 }

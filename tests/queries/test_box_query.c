@@ -13,7 +13,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static duet_box_query *open_query(duet_tree *tree, duet_level level)
 {
@@ -256,15 +255,13 @@ TEST(what_is_no_box_is_refused_by_its_number)
 {
     const duet_pose good = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_pose asked[3] = {good, good, good};
-    duet_error err = {0};
     duet_box_query_result found;
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, &good, 1);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
     test_give_back(tree); // the query holds it
     asked[2].half_extents[1] = -1;
-    assert_false(duet_box_query_run(query, DUET_OBJECT_POSES, asked, 3, &found, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "box 2:"));
+    must_fail(duet_box_query_run(query, DUET_OBJECT_POSES, asked, 3, &found, ERR),
+              DUET_STATUS_BAD_OBJECT, "box 2:");
     assert_int_equal(ask(query, DUET_OBJECT_POSES, asked, 2).n_hits, 2);
     assert_int_equal(ask(query, DUET_OBJECT_POSES, NULL, 0).n_hits, 0);
 }

@@ -181,16 +181,14 @@ static void ask_sweeps(const scene *s, duet_tree *tree, int wants, answer *found
 // level: or -1, the tree against itself.
 static void ask_boxes(const scene *s, duet_tree *tree, int level, answer *found)
 {
-    duet_error err = {0};
     duet_box_query_result result;
     duet_box_query_def def = duet_default_box_query_def();
     def.tree = tree;
     def.level = level < 0 ? DUET_LEVEL_CERTIFIED : (duet_level)level;
     duet_box_query *query = kept(duet_box_query_create(&def, ERR));
-    assert_ok(level < 0 ? duet_box_query_run_itself(query, NULL, 0, &result, &err)
-                        : duet_box_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_asked, ASKED,
-                                             &result, &err),
-              err);
+    must(level < 0 ? duet_box_query_run_itself(query, NULL, 0, &result, ERR)
+                   : duet_box_query_run(query, DUET_OBJECT_LARGE_POSES, s->large_asked, ASKED,
+                                        &result, ERR));
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
 }
 
@@ -540,22 +538,19 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
 
 TEST(a_motion_with_other_cells_is_refused)
 {
-    duet_error err = {0};
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_motion_def def = duet_default_motion_def();
     def.pair = devices;
     duet_motion *motion = kept(duet_motion_create(&def, &box, NULL, 1, ERR));
     duet_tree *tree = open_far_tree(3, 0, NULL, 0);
-    assert_false(duet_tree_set_motion(tree, motion, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, "origin_edge 0; the tree has 0.5"));
+    must_fail(duet_tree_set_motion(tree, motion, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "origin_edge 0; the tree has 0.5");
 }
 
 // ---------------------------------------------------------------- refusals
 
 TEST(what_has_no_cells_is_refused_by_name)
 {
-    duet_error err = {0};
     duet_large_pose box = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, {5, 6, 7}, 0};
     duet_tree *tree = open_far_tree(3, 0, &box, 1);
     duet_ray_query_def def = duet_default_ray_query_def();
@@ -563,21 +558,15 @@ TEST(what_has_no_cells_is_refused_by_name)
     duet_ray_query *query = kept(duet_ray_query_create(&def, ERR));
     duet_ray_query_result result;
     duet_large_ray rays[2] = {{{{0}, {1, 0, 0}, 1}, {5, 6, 7}}, {{{0}, {1, 0, 0}, 1}, {1 << 30}}};
-    assert_false(duet_ray_query_run(query, &rays[0].ray, 1, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, "rays without origin cells"));
-    err = (duet_error){0};
-    assert_false(duet_ray_query_run_large(query, rays, 2, &result, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "ray 1:"));
-    err = (duet_error){0};
-    assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, &box.pose, 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    err = (duet_error){0};
+    must_fail(duet_ray_query_run(query, &rays[0].ray, 1, &result, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "rays without origin cells");
+    must_fail(duet_ray_query_run_large(query, rays, 2, &result, ERR), DUET_STATUS_BAD_OBJECT,
+              "ray 1:");
+    must_fail(duet_tree_set_objects(tree, DUET_OBJECT_POSES, &box.pose, 1, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
     box.cell[1] = -(1 << 30);
-    assert_false(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, &box, 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "object 0"));
+    must_fail(duet_tree_set_objects(tree, DUET_OBJECT_LARGE_POSES, &box, 1, ERR),
+              DUET_STATUS_BAD_OBJECT, "object 0");
 }
 
 TEST(an_edge_that_is_none_is_refused)
@@ -586,17 +575,12 @@ TEST(an_edge_that_is_none_is_refused)
     duet_tree_def def = duet_default_tree_def();
     def.pair = devices;
     for (size_t i = 0; i < sizeof edges / sizeof *edges; ++i) {
-        duet_error err = {0};
         def.origin_edge = edges[i];
-        assert_null(duet_tree_create(&def, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-        assert_non_null(strstr(err.text, "origin_edge"));
+        must_fail(duet_tree_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "origin_edge");
     }
-    duet_error err = {0};
     def.origin_edge = 1;
     def.shape = DUET_SHAPE_SPHERES;
-    assert_null(duet_tree_create(&def, &err));
-    assert_non_null(strstr(err.text, "origin cells are for poses"));
+    must_fail(duet_tree_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "origin cells are for poses");
 }
 
 TEST_MAIN(open_devices, close_devices)

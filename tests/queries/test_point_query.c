@@ -8,12 +8,10 @@
 #include "support/trees.h"
 
 #include "base/rng.h"
-#include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/ray.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 400, POINTS = 900, NEAREST = 7 };
 
@@ -246,7 +244,6 @@ TEST(fewer_boxes_than_asked_for_are_no_error)
 {
     const duet_pose box = {{3, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}};
     const duet_point points[2] = {{{0, 0, 0}}, {{NAN, 0, 0}}};
-    duet_error err = {0};
     duet_point_query_result found;
     duet_tree *tree = open_tree(3, 0, &box, 1);
     duet_point_query *query = open_point_query(tree, 2);
@@ -254,9 +251,8 @@ TEST(fewer_boxes_than_asked_for_are_no_error)
     const duet_point_hit expected[2] = {{0, 0, 2}, {0, DUET_NO_OBJECT, INFINITY}};
     assert_int_equal(found.n_hits, 2);
     assert_memory_equal(found.hits, expected, sizeof expected);
-    assert_false(duet_point_query_run(query, points, 2, &found, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "point 1:"));
+    must_fail(duet_point_query_run(query, points, 2, &found, ERR), DUET_STATUS_BAD_OBJECT,
+              "point 1:");
     set_poses(tree, NULL, 0);
     assert_true(seek_points(query, points, 1).hits[0].id == DUET_NO_OBJECT);
 }

@@ -225,7 +225,6 @@ static uint64_t count_rays(const scene *s, duet_tree *tree, duet_filter filter)
 // Until the objects are set again; a run of the objects with each other has filters of its own.
 TEST(objects_keep_their_filters_until_they_are_set)
 {
-    duet_error err = {0};
     scene *s = draw_scene();
     const duet_filter all = {UINT32_MAX, UINT32_MAX}, some = {1, 1};
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, s->poses, BOXES);
@@ -242,8 +241,8 @@ TEST(objects_keep_their_filters_until_they_are_set)
     assert_int_equal(count_rays(s, tree, some), few);
     must(duet_tree_set_share(tree, 0, ERR));
     assert_int_equal(count_rays(s, tree, some), few);
-    assert_false(duet_tree_set_filters(tree, s->filters, BOXES - 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(duet_tree_set_filters(tree, s->filters, BOXES - 1, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "");
     assert_int_equal(count_rays(s, tree, some), few);
     set_poses(tree, s->poses, BOXES);
     assert_int_equal(count_rays(s, tree, some), every);

@@ -7,7 +7,6 @@
 #include "support/trees.h"
 
 #include "base/rng.h"
-#include "runtime/opencl/device_pair.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
 
@@ -515,7 +514,6 @@ TEST(a_tree_of_a_motion_has_its_bodies)
 
 TEST(a_motion_that_no_tree_takes_is_refused)
 {
-    duet_error err = {0};
     duet_motion_def def = duet_default_motion_def();
     const duet_pose far[2] = {{{0, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}},
                               {{0x1p101f, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}}};
@@ -524,16 +522,12 @@ TEST(a_motion_that_no_tree_takes_is_refused)
     duet_motion *motion = kept(duet_motion_create(&def, far, NULL, 2, ERR));
     duet_tree *bounds = open_bounds_tree(3, 0, NULL, 0), *flat = open_tree(2, 0, NULL, 0);
     duet_tree *tree = open_tree(3, 0, &far[0], 1);
-    assert_false(duet_tree_set_motion(bounds, motion, &err));
-    assert_string_equal(err.text,
+    must_fail(duet_tree_set_motion(bounds, motion, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text,
                         "a motion's bodies are poses or rounded boxes; the tree is of bounds");
-    err = (duet_error){0};
-    assert_false(duet_tree_set_motion(flat, motion, &err));
-    assert_string_equal(err.text, "the motion has dims 3; the tree has 2");
-    err = (duet_error){0};
-    assert_false(duet_tree_set_motion(tree, motion, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_non_null(strstr(err.text, "object 1 "));
+    must_fail(duet_tree_set_motion(flat, motion, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, "the motion has dims 3; the tree has 2");
+    must_fail(duet_tree_set_motion(tree, motion, ERR), DUET_STATUS_BAD_OBJECT, "object 1 ");
     duet_ray_query *query = open_ray_query(tree, DUET_QUERY_ANY, false);
     assert_int_equal(cast_rays(query, &(duet_ray){.t_max = 1}, 1).hits[0].id, DUET_NO_OBJECT);
 }
@@ -631,11 +625,10 @@ TEST(chunks_that_follow_each_other_lose_nothing)
             assert_memory_equal(found.hits, expected, (N - run) * sizeof *expected);
         }
         if (own) {
-            duet_error err = {0};
             duet_ray_query_result found;
             rays[FLOW + 7].t_max = NAN;
-            assert_false(duet_ray_query_run(query, rays, N, &found, &err));
-            assert_non_null(strstr(err.text, "ray 262151:"));
+            must_fail(duet_ray_query_run(query, rays, N, &found, ERR), DUET_STATUS_BAD_OBJECT,
+                      "ray 262151:");
         }
     }
     devices_seem_gpus(false);
@@ -678,18 +671,15 @@ TEST(what_is_no_ray_or_box_is_refused_by_its_number)
                                  {{0, 0, 0}, {1, 0, 0}, -1},       {{0, 0, 0}, {1, 0, 0}, NAN},
                                  {{0x1p101f, 0, 0}, {1, 0, 0}, 1}, {{0, 0, 0}, {1e-35f, 0, 0}, 1}};
     for (size_t i = 0; i < sizeof bad_rays / sizeof *bad_rays; ++i) {
-        duet_error err = {0};
         duet_ray_query_result found;
         const duet_ray rays[3] = {{{0}, {1, 0, 0}, 1}, {{0}, {1, 0, 0}, 1}, bad_rays[i]};
-        assert_false(duet_ray_query_run(query, rays, 3, &found, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        assert_non_null(strstr(err.text, "ray 2:"));
+        must_fail(duet_ray_query_run(query, rays, 3, &found, ERR), DUET_STATUS_BAD_OBJECT,
+                  "ray 2:");
     }
     duet_pose boxes[3] = {good, good, good};
     boxes[1].centre[2] = NAN;
-    duet_error err = {0};
-    assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, &err));
-    assert_non_null(strstr(err.text, "object 1 "));
+    must_fail(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, ERR), DUET_STATUS_BAD_OBJECT,
+              "object 1 ");
     // It has no boxes now.
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
     assert_int_equal(cast_rays(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);

@@ -375,15 +375,13 @@ static duet_box_query *open_boxes(duet_tree *tree)
 static void boxes_in(duet_tree *tree, duet_object_kind kind, const void *objects,
                      const duet_rounded_box *boxes, uint32_t dims)
 {
-    duet_error err = {0};
     duet_box_query_result found;
     duet_box_query *query = open_boxes(tree);
     for (int itself = 0; itself < 2; ++itself) {
         uint32_t n = itself ? BOXES : BOXES / 2;
         uint64_t next = 0;
-        assert_ok(itself ? duet_box_query_run_itself(query, NULL, 0, &found, &err)
-                         : duet_box_query_run(query, kind, objects, n, &found, &err),
-                  err);
+        must(itself ? duet_box_query_run_itself(query, NULL, 0, &found, ERR)
+                    : duet_box_query_run(query, kind, objects, n, &found, ERR));
         for (uint32_t i = 0; i < n; ++i)
             for (uint32_t id = itself ? i + 1 : 0; id < BOXES; ++id) {
                 bool hit =
@@ -553,20 +551,17 @@ TEST(a_tree_of_rounded_boxes_takes_bodies_without_radii)
 
 TEST(what_is_no_rounded_box_is_refused)
 {
-    duet_error err = {0};
     const duet_rounded_box good = {{{0}, {1, 1, 1}, {0, 0, 0, 1}}, 0.5f};
     duet_rounded_box boxes[3] = {good, good, good};
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, boxes, 3);
     const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        err = (duet_error){0};
         boxes[1].radius = wrong[i];
-        assert_false(duet_tree_set_objects(tree, DUET_OBJECT_ROUNDED_BOXES, boxes, 3, &err));
-        assert_non_null(strstr(err.text, "object 1 "));
+        must_fail(duet_tree_set_objects(tree, DUET_OBJECT_ROUNDED_BOXES, boxes, 3, ERR),
+                  DUET_STATUS_BAD_OBJECT, "object 1 ");
     }
-    err = (duet_error){0};
-    assert_false(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, &err));
-    assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
+    must_fail(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "the tree is of rounded boxes");
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -132,143 +132,53 @@ typedef struct known {
     float normal[3];
 } known;
 
+#define KNOWN(grazes, ...)    \
+    {                         \
+        {__VA_ARGS__}, grazes \
+    }
+
 // Each one touches, exactly; with a radius an ulp smaller it does not where `grazes`.
 static const struct {
     known k;
     bool grazes;
 } closed[] = {
     // Spheres: head on, at an angle of 3 4 5, and past each other.
-    {{"sphere to sphere",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
-      {1, 0, 0},
-      INFINITY,
-      {{{10, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      7,
-      {-1, 0, 0}},
-     false},
-    {{"sphere aside",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      {0.5f, 0, 0},
-      INFINITY,
-      {{{10, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
-      14,
-      {-0.6f, -0.8f, 0}},
-     false},
-    {{"sphere past",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      {0.5f, 0, 0},
-      INFINITY,
-      {{{10, 5, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
-      20,
-      {0, -1, 0}},
-     true},
-    {{"sphere past a lattice way",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
-      {4, 3, 0},
-      8,
-      {{{15, 15, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      4.2f,
-      {0.6f, -0.8f, 0}},
-     true},
+    KNOWN(false, "sphere to sphere", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1}, {1, 0, 0}, INFINITY,
+          {{{10, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, 7, {-1, 0, 0}),
+    KNOWN(false, "sphere aside", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, {0.5f, 0, 0}, INFINITY,
+          {{{10, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3}, 14, {-0.6f, -0.8f, 0}),
+    KNOWN(true, "sphere past", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, {0.5f, 0, 0}, INFINITY,
+          {{{10, 5, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3}, 20, {0, -1, 0}),
+    KNOWN(true, "sphere past a lattice way", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1}, {4, 3, 0},
+          8, {{{15, 15, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, 4.2f, {0.6f, -0.8f, 0}),
     // Spheres and a box's face, edge (3 4 5) and corner (1 2 2).
-    {{"sphere to face",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
-      {0, 0, 2},
-      3,
-      {{{0.5f, 0.25f, 8}, {1, 1, 1}, {0, 0, 0, 1}}, 0},
-      3,
-      {0, 0, -1}},
-     true},
-    {{"sphere along a face",
-      {{{-9, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1},
-      {1, 0, 0},
-      INFINITY,
-      {{{0, 0, 3}, {1, 1, 1.5f}, {0, 0, 0, 1}}, 0.5f},
-      8,
-      {0, 0, -1}},
-     true},
-    {{"sphere to edge",
-      {{{-9, 4, 0.5f}, {0, 0, 0}, {0, 0, 0, 1}}, 4},
-      {1, 0, 0},
-      INFINITY,
-      {{{1, -1, 0}, {1, 1, 1}, {0, 0, 0, 1}}, 1},
-      6,
-      {-0.6f, 0.8f, 0}},
-     false},
-    {{"sphere to corner",
-      {{{-9, 2, 2}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      {2, 0, 0},
-      INFINITY,
-      {{{1, -1, -1}, {1, 1, 1}, {0, 0, 0, 1}}, 1},
-      4,
-      {-1.0f / 3, 2.0f / 3, 2.0f / 3}},
-     false},
-    {{"sphere past a corner",
-      {{{-9, 3, 4}, {0, 0, 0}, {0, 0, 0, 1}}, 4},
-      {1, 0, 0},
-      INFINITY,
-      {{{0, -1, -1}, {0, 1, 1}, {0, 0, 0, 1}}, 1},
-      9,
-      {0, 0.6f, 0.8f}},
-     true},
+    KNOWN(true, "sphere to face", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1}, {0, 0, 2}, 3,
+          {{{0.5f, 0.25f, 8}, {1, 1, 1}, {0, 0, 0, 1}}, 0}, 3, {0, 0, -1}),
+    KNOWN(true, "sphere along a face", {{{-9, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 1}, {1, 0, 0},
+          INFINITY, {{{0, 0, 3}, {1, 1, 1.5f}, {0, 0, 0, 1}}, 0.5f}, 8, {0, 0, -1}),
+    KNOWN(false, "sphere to edge", {{{-9, 4, 0.5f}, {0, 0, 0}, {0, 0, 0, 1}}, 4}, {1, 0, 0},
+          INFINITY, {{{1, -1, 0}, {1, 1, 1}, {0, 0, 0, 1}}, 1}, 6, {-0.6f, 0.8f, 0}),
+    KNOWN(false, "sphere to corner", {{{-9, 2, 2}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, {2, 0, 0},
+          INFINITY, {{{1, -1, -1}, {1, 1, 1}, {0, 0, 0, 1}}, 1}, 4,
+          {-1.0f / 3, 2.0f / 3, 2.0f / 3}),
+    KNOWN(true, "sphere past a corner", {{{-9, 3, 4}, {0, 0, 0}, {0, 0, 0, 1}}, 4}, {1, 0, 0},
+          INFINITY, {{{0, -1, -1}, {0, 1, 1}, {0, 0, 0, 1}}, 1}, 9, {0, 0.6f, 0.8f}),
     // Capsules: across each other, side by side, end to end, and one that passes.
-    {{"capsules across",
-      {{{0, 0, 0}, {3, 0, 0}, {0, 0, 0, 1}}, 0.5f},
-      {0, 1, 0},
-      INFINITY,
-      {{{1, 6, 2}, {0, 0, 3}, {0, 0, 0, 1}}, 0.25f},
-      5.25f,
-      {0, -1, 0}},
-     false},
-    {{"capsules past",
-      {{{0, 0, 0}, {3, 0, 0}, {0, 0, 0, 1}}, 0.5f},
-      {0, 1, 0},
-      INFINITY,
-      {{{0, 6, 0.75f}, {3, 0, 0}, {0, 0, 0, 1}}, 0.25f},
-      6,
-      {0, 0, -1}},
-     true},
-    {{"capsules in line",
-      {{{0, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
-      {1, 0, 0},
-      10,
-      {{{10, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
-      5,
-      {-1, 0, 0}},
-     false},
-    {{"capsule ends as it touches",
-      {{{0, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
-      {1, 0, 0},
-      5,
-      {{{10, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
-      5,
-      {-1, 0, 0}},
-     true},
+    KNOWN(false, "capsules across", {{{0, 0, 0}, {3, 0, 0}, {0, 0, 0, 1}}, 0.5f}, {0, 1, 0},
+          INFINITY, {{{1, 6, 2}, {0, 0, 3}, {0, 0, 0, 1}}, 0.25f}, 5.25f, {0, -1, 0}),
+    KNOWN(true, "capsules past", {{{0, 0, 0}, {3, 0, 0}, {0, 0, 0, 1}}, 0.5f}, {0, 1, 0}, INFINITY,
+          {{{0, 6, 0.75f}, {3, 0, 0}, {0, 0, 0, 1}}, 0.25f}, 6, {0, 0, -1}),
+    KNOWN(false, "capsules in line", {{{0, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f}, {1, 0, 0}, 10,
+          {{{10, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f}, 5, {-1, 0, 0}),
+    KNOWN(true, "capsule ends as it touches", {{{0, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f},
+          {1, 0, 0}, 5, {{{10, 0, 0}, {2, 0, 0}, {0, 0, 0, 1}}, 0.5f}, 5, {-1, 0, 0}),
     // A cube turned about x by 3 4 5 (2 1 as quaternion), whose edge leads; radius against radius.
-    {{"turned cube",
-      {{{0, 0, 0}, {1, 5, 5}, {1, 0, 0, 2}}, 0.5f},
-      {0, 0, 1},
-      INFINITY,
-      {{{0, 0, 20}, {4, 4, 1}, {0, 0, 0, 1}}, 0.5f},
-      11,
-      {0, 0, -1}},
-     false},
-    {{"begins as it touches",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      {-1, 0, 0},
-      1,
-      {{{3, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
-      0,
-      {0, 0, 0}},
-     true},
-    {{"stays where it touches",
-      {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2},
-      {0, 0, 0},
-      INFINITY,
-      {{{3, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3},
-      0,
-      {0, 0, 0}},
-     true},
+    KNOWN(false, "turned cube", {{{0, 0, 0}, {1, 5, 5}, {1, 0, 0, 2}}, 0.5f}, {0, 0, 1}, INFINITY,
+          {{{0, 0, 20}, {4, 4, 1}, {0, 0, 0, 1}}, 0.5f}, 11, {0, 0, -1}),
+    KNOWN(true, "begins as it touches", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, {-1, 0, 0}, 1,
+          {{{3, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3}, 0, {0, 0, 0}),
+    KNOWN(true, "stays where it touches", {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 2}, {0, 0, 0},
+          INFINITY, {{{3, 4, 0}, {0, 0, 0}, {0, 0, 0, 1}}, 3}, 0, {0, 0, 0}),
 };
 
 enum { CLOSED = sizeof closed / sizeof *closed };
@@ -552,17 +462,12 @@ TEST(what_is_no_sweep_of_the_shape_is_refused)
     duet_sweep_query_result found;
     const float wrong[] = {-1, NAN, INFINITY, 0x1p101f};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        duet_error err = {0};
         sweeps[1].box.radius = wrong[i];
-        assert_false(
-            duet_sweep_query_run(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2, &found, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        if (!strstr(err.text, "sweep 1: "))
-            fail_msg("%s", err.text);
+        must_fail(duet_sweep_query_run(query, DUET_OBJECT_ROUNDED_BOXES, sweeps, 2, &found, ERR),
+                  DUET_STATUS_BAD_OBJECT, "sweep 1: ");
     }
-    duet_error err = {0};
-    assert_false(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, &err));
-    assert_non_null(strstr(err.text, "the tree is of rounded boxes"));
+    must_fail(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "the tree is of rounded boxes");
 }
 
 TEST_MAIN(open_devices, close_devices)

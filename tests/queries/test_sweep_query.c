@@ -15,7 +15,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // ---------------------------------------------------------------- worlds
@@ -336,12 +335,10 @@ TEST(what_is_no_sweep_is_refused_by_its_number)
     bad[2].t_max = -1;
     bad[3].direction[0] = 1e-35f;
     for (int i = 0; i < 4; ++i) {
-        duet_error err = {0};
         duet_sweep_query_result found;
         const duet_sweep sweeps[3] = {good, good, bad[i]};
-        assert_false(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 3, &found, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-        assert_non_null(strstr(err.text, "sweep 2:"));
+        must_fail(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 3, &found, ERR),
+                  DUET_STATUS_BAD_OBJECT, "sweep 2:");
     }
 }
 

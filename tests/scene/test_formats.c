@@ -2,7 +2,7 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
+#include "base/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>

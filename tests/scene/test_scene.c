@@ -2,7 +2,6 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "runtime/duet.h"
 
 #include <float.h>
 #include <math.h>
@@ -16,11 +15,8 @@
 static void assert_pose_refused(const duet_pose *pose, uint32_t dims, const char *says)
 {
     duet_pose poses[3] = {UNIT_CUBE, UNIT_CUBE, *pose};
-    duet_error err = {0};
-    assert_null(duet_scene_create(DUET_OBJECT_POSES, poses, 3, dims, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    if (!strstr(err.text, says))
-        fail_msg("'%s', not '%s'", err.text, says);
+    must_fail(duet_scene_create(DUET_OBJECT_POSES, poses, 3, dims, 0, ERR), DUET_STATUS_BAD_OBJECT,
+              says);
 }
 
 TEST(a_bad_pose_is_refused_by_its_id)
@@ -44,30 +40,26 @@ TEST(a_bad_pose_is_refused_by_its_id)
 TEST(bad_bounds_are_refused_by_their_id)
 {
     duet_bounds bounds[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 2, 0}, {1, 1, 1}}};
-    duet_error err = {0};
-    assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 3, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_OBJECT);
-    assert_string_equal(err.text, "object 1: min y = 2 is above max y = 1");
+    must_fail(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 3, 0, ERR), DUET_STATUS_BAD_OBJECT,
+              "");
+    assert_string_equal(ERR->text, "object 1: min y = 2 is above max y = 1");
     bounds[1].lower[1] = -INFINITY;
-    err = (duet_error){0};
-    assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 2, 0, &err));
-    assert_non_null(strstr(err.text, "object 1: min y is -inf"));
+    must_fail(duet_scene_create(DUET_OBJECT_BOUNDS, bounds, 2, 2, 0, ERR), DUET_STATUS_BAD_OBJECT,
+              "object 1: min y is -inf");
 }
 
 TEST(dims_other_than_2_and_3_are_refused)
 {
-    duet_error err = {0};
-    assert_null(duet_scene_create(DUET_OBJECT_POSES, NULL, 0, 4, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_string_equal(err.text, "dims is 4; it must be 2 or 3");
+    must_fail(duet_scene_create(DUET_OBJECT_POSES, NULL, 0, 4, 0, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "");
+    assert_string_equal(ERR->text, "dims is 4; it must be 2 or 3");
     assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, NULL, 0, 0, 0, NULL));
 }
 
 TEST(missing_memory_and_paths_are_refused)
 {
-    duet_error err = {0};
-    assert_null(duet_scene_create(DUET_OBJECT_POSES, NULL, 1, 3, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(duet_scene_create(DUET_OBJECT_POSES, NULL, 1, 3, 0, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "");
     assert_null(duet_scene_create(DUET_OBJECT_BOUNDS, NULL, 1, 3, 0, NULL));
     assert_null(duet_scene_load(NULL, NULL, 0, NULL));
     duet_scene_destroy(NULL);

@@ -3,7 +3,7 @@
 #include "support/test.h"
 
 #include "base/rng.h"
-#include "base/text_file.h"
+#include "base/text.h"
 #include "gen/script.h"
 #include "runtime/scene/scene_load.h"
 
@@ -333,22 +333,16 @@ TEST(a_wrong_setting_says_what_is_right)
         {{"turned", "1"}, ":1: parameter turned is '1'; it must be true or false"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        duet_error err = {0};
-        assert_null(scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), &wrong[i].setting,
-                                     1, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-        if (!strstr(err.text, wrong[i].says))
-            fail_msg("'%s', not '%s'", err.text, wrong[i].says);
+        must_fail(
+            scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), &wrong[i].setting, 1, ERR),
+            DUET_STATUS_BAD_ARGUMENT, wrong[i].says);
     }
-    duet_error err = {0};
-    assert_null(scene_from_bytes(FILE_NAME, "return {}", 9, &wrong[0].setting, 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_string_equal(err.text, FILE_NAME ": no parameter 'm'; the scene declares none");
+    must_fail(scene_from_bytes(FILE_NAME, "return {}", 9, &wrong[0].setting, 1, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
+    assert_string_equal(ERR->text, FILE_NAME ": no parameter 'm'; the scene declares none");
     static const char own_error[] = "parameters { m = 1 }\nreturn 7";
-    err = (duet_error){0};
-    assert_null(
-        scene_from_bytes(FILE_NAME, own_error, strlen(own_error), &wrong[0].setting, 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
+    must_fail(scene_from_bytes(FILE_NAME, own_error, strlen(own_error), &wrong[0].setting, 1, ERR),
+              DUET_STATUS_BAD_INPUT, "");
 }
 
 // ------------------------------------------------------------ shipped scenes

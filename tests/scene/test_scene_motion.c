@@ -3,8 +3,6 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "runtime/duet.h"
-
 TEST(a_scene_says_what_moves)
 {
     duet_scene *s = must(scene_from_text(

@@ -134,30 +134,22 @@ TEST(a_wrong_line_is_named)
 
 TEST(bytes_are_not_read_as_text)
 {
-    duet_error err = {0};
-    assert_null(scene_from_bytes(FILE_NAME, "1 2 3 4\n\0 1", 11, NULL, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_INPUT);
-    assert_non_null(strstr(err.text, "byte 8 is NUL"));
+    must_fail(scene_from_bytes(FILE_NAME, "1 2 3 4\n\0 1", 11, NULL, 0, ERR), DUET_STATUS_BAD_INPUT,
+              "byte 8 is NUL");
 }
 
 TEST(a_missing_file_and_a_folder_are_named)
 {
-    duet_error err = {0};
-    assert_null(duet_scene_load("no/such/boxes.csv", NULL, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
-    assert_non_null(strstr(err.text, "no/such/boxes.csv"));
-    err = (duet_error){0};
-    assert_null(duet_scene_load("/", NULL, 0, &err));
-    assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
+    must_fail(duet_scene_load("no/such/boxes.csv", NULL, 0, ERR), DUET_STATUS_NOT_FOUND,
+              "no/such/boxes.csv");
+    must_fail(duet_scene_load("/", NULL, 0, ERR), DUET_STATUS_IO_FAILED, "");
 }
 
 TEST(data_have_no_parameters)
 {
     const duet_setting setting = {"n", "10"};
-    duet_error err = {0};
-    assert_null(scene_from_bytes(FILE_NAME, "0 0 1 1", 7, &setting, 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, "'n' cannot be chosen, since this is data and no .lua scene"));
+    must_fail(scene_from_bytes(FILE_NAME, "0 0 1 1", 7, &setting, 1, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "'n' cannot be chosen, since this is data and no .lua scene");
 }
 
 // Another language's decimal comma must not reach the numbers.
@@ -165,12 +157,10 @@ TEST(the_language_of_the_application_does_not_matter)
 {
     if (!setlocale(LC_NUMERIC, "de_DE.UTF-8"))
         skip();
-    duet_error err = {0};
-    duet_scene *scene = scene_from_text(FILE_NAME, "0.5,0.5,1.5,1.5", &err);
+    duet_scene *scene = must(scene_from_text(FILE_NAME, "0.5,0.5,1.5,1.5", ERR));
     char shown[8];
     snprintf(shown, sizeof shown, "%.1f", 0.5);
     setlocale(LC_NUMERIC, "C");
-    assert_ok(scene, err);
     assert_true(test_bounds(scene)->upper[1] == 1.5f);
     assert_string_equal(shown, "0,5");
 }

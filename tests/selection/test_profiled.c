@@ -134,12 +134,10 @@ TEST(the_workload_is_the_scenes_and_not_the_draws_or_the_plans)
 TEST(a_workload_is_of_the_objects_that_a_world_has)
 {
     enum { N = 16000 };
-    duet_error err = {0};
     fixture f = make_world(N, test_seed(), 0, "auto");
     profile_subject set = describe(&f);
-    duet_pose *poses =
-        duet_world_map_objects(f.world, DUET_OBJECT_POSES, N, &err); // the objects stay as they are
-    assert_ok(poses, err);
+    // The objects stay as they are.
+    duet_pose *poses = must(duet_world_map_objects(f.world, DUET_OBJECT_POSES, N, ERR));
     profile_subject mapped = describe(&f);
     assert_memory_equal(&set.workload, &mapped.workload, sizeof set.workload);
     poses[N / 3].half_extents[1] = 4;
@@ -155,10 +153,8 @@ TEST(a_world_without_objects_is_refused)
 {
     fixture f = make_world(1, 1, 0, "auto");
     profile_subject p;
-    duet_error err = {0};
     must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, NULL, 0, ERR));
-    assert_false(profile_subject_read(f.world, &p, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(profile_subject_read(f.world, &p, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     drop_world(&f);
 }
 
@@ -169,15 +165,13 @@ TEST(a_plan_survives_being_stored)
     strcpy(plan.variant_b, "paper");
     profile_plan stored = profile_subject_write_plan(&plan, "sat15");
     duet_plan back;
-    duet_error err = {0};
     must(profile_subject_read_plan(&stored, &back, ERR));
     assert_int_equal(back.share, plan.share);
     assert_int_equal(back.mode, plan.mode);
     assert_string_equal(back.variant_a, plan.variant_a);
     assert_string_equal(back.variant_b, plan.variant_b);
     strcpy(stored.mode, "sideways");
-    assert_false(profile_subject_read_plan(&stored, &back, &err));
-    assert_non_null(strstr(err.text, "sideways"));
+    must_fail(profile_subject_read_plan(&stored, &back, ERR), DUET_STATUS_BAD_INPUT, "sideways");
 }
 
 // ------------------------------------------------------------ an application's start
@@ -297,12 +291,9 @@ TEST(an_accuracy_that_cannot_be_is_refused)
     static const duet_accuracy bad[] = {{-0.1, 0}, {1.5, 0}, {0, -1}, {0, INFINITY}, {NAN, 0}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         duet_world_def def = f.def;
-        duet_error err = {0};
         def.has_accuracy = true;
         def.accuracy = bad[i];
-        assert_null(duet_world_create(&def, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-        assert_non_null(strstr(err.text, "the world's accuracy"));
+        must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "the world's accuracy");
     }
     drop_world(&f);
 }
@@ -312,7 +303,6 @@ TEST(without_a_profile_the_plan_stays)
     test_folder folder = test_folder_make();
     fixture f = make_world(3000, test_seed(), 0, "auto");
     duet_plan before = *duet_world_get_plan(f.world);
-    duet_error err = {0};
     duet_profile profile;
     must(duet_world_load_profile(f.world, folder.store, &profile, ERR));
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
@@ -322,8 +312,8 @@ TEST(without_a_profile_the_plan_stays)
     assert_memory_equal(&profile.plan, &before, sizeof before);
     assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
     must(text_write_file(folder.store, "rubbish", 7, ERR));
-    assert_false(duet_world_load_profile(f.world, folder.store, &profile, &err));
-    assert_int_equal(err.status, DUET_STATUS_STORE_FAILED);
+    must_fail(duet_world_load_profile(f.world, folder.store, &profile, ERR),
+              DUET_STATUS_STORE_FAILED, "");
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
     drop_world(&f);
@@ -526,9 +516,8 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     duet_ray rays[RAYS] = {0};
     closest.tree = any.tree = tree;
     any.wants = DUET_QUERY_ANY;
-    duet_ray_query *tuned = duet_ray_query_create(&closest, &err);
-    duet_ray_query *other = duet_ray_query_create(&any, &err);
-    assert_ok(tuned && other, err);
+    duet_ray_query *tuned = must(duet_ray_query_create(&closest, ERR));
+    duet_ray_query *other = must(duet_ray_query_create(&any, ERR));
     must(duet_ray_query_run(other, rays, RAYS, &result, ERR));
     assert_true(result.device_ms[0] == 0 && result.device_ms[1] > 0);
     must(duet_ray_query_run(tuned, rays, RAYS, &result, ERR));
@@ -566,9 +555,8 @@ TEST(names_of_queries_are_read_as_they_are_written)
                                         "rays  any"};
     query_name name;
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        duet_error err = {0};
         char written[QUERY_NAME];
-        assert_ok(query_name_read(names[i], &name, &err), err);
+        must(query_name_read(names[i], &name, ERR));
         query_name_write(&name, written);
         assert_string_equal(written, names[i]);
     }

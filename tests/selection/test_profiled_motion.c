@@ -8,7 +8,6 @@
 #include "runtime/selection/profile_subject.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { CUBES = 60, STEPS = 12 };
 
@@ -132,11 +131,9 @@ TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
     const duet_plan before = *duet_motion_get_plan(m->motion);
     const motion_kernels kernels = m->motion->kernels;
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        duet_error err = {0};
         duet_plan plan = plan_with(wrong[i].settings);
-        assert_false(duet_motion_set_plan(m->motion, &plan, &err));
-        if (err.status != DUET_STATUS_BAD_ARGUMENT || !strstr(err.text, wrong[i].line))
-            fail_msg("%s: %s", wrong[i].settings, err.text);
+        must_fail(duet_motion_set_plan(m->motion, &plan, ERR), DUET_STATUS_BAD_ARGUMENT,
+                  wrong[i].line);
         assert_memory_equal(duet_motion_get_plan(m->motion), &before, sizeof before);
         assert_memory_equal(&m->motion->kernels, &kernels, sizeof kernels);
     }
@@ -159,7 +156,6 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
 {
     enum { LONG = 3 * STEPS };
     mover *m = make_pile(CUBES);
-    duet_error err = {0};
     duet_plan thin = plan_with("motion.skin=1"), thick = plan_with("motion.skin=80");
     create(m);
     count_searches(m, LONG);
@@ -183,8 +179,8 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
     m->def.skin = 0;
     m->def.plan = duet_default_plan(mover_pair());
     create(m);
-    assert_false(duet_motion_set_plan(m->motion, &thick, &err));
-    assert_non_null(strstr(err.text, "motion.skin=80; expected a motion whose def has a skin"));
+    must_fail(duet_motion_set_plan(m->motion, &thick, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "motion.skin=80; expected a motion whose def has a skin");
 }
 
 // ------------------------------------------------------------ profiles
@@ -210,9 +206,8 @@ TEST(a_motion_takes_its_profile_and_keeps_its_bits)
     // A row that somebody wrote is not followed, and the motion goes on.
     test_store_run(folder.store, "UPDATE profile SET variant_b = 'auto solve_contacts.WG=77'");
     create(m);
-    duet_error err = {0};
-    assert_false(duet_motion_load_profile(m->motion, folder.store, &profile, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(duet_motion_load_profile(m->motion, folder.store, &profile, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "");
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
 }
@@ -301,11 +296,9 @@ TEST(what_nothing_happens_to_has_no_profile)
     mover *m = mover_new(3);
     duet_profile profile;
     for (uint32_t n = 0; n < 2; ++n) {
-        duet_error err = {0};
         create(m);
-        assert_false(duet_motion_load_profile(m->motion, "no.db", &profile, &err));
-        assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-        assert_non_null(strstr(err.text, "has no profile; expected bodies that"));
+        must_fail(duet_motion_load_profile(m->motion, "no.db", &profile, ERR),
+                  DUET_STATUS_BAD_ARGUMENT, "has no profile; expected bodies that");
         mover_add_cube(m, 0, 0, 0, 1);
     }
 }

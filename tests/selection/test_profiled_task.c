@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // A task as the profile store knows it: an application gets the plan that its kernel was tuned to.
-#include "support/store.h"
 #include "support/task_files.h"
 #include "support/test.h"
 
 #include "runtime/selection/profile_subject.h"
 
+#include "base/text.h"
+
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char task_text[] =
@@ -121,6 +123,38 @@ TEST(a_size_within_a_tenth_gets_the_same_plan)
     expect_twice(t);
 }
 
+// The files' texts are in the program.
+TEST(a_program_without_files_gets_the_plan_of_its_files)
+{
+    enum { N = 4000 };
+    static int x[N];
+    char n[8];
+    put("4000", 0.25, "auto twice.WG=16");
+    text card = test_read_file("twice.lua"), body = test_read_file("twice.cl");
+    test_keep(card.chars, free);
+    test_keep(body.chars, free);
+    for (int i = 0; i < N; ++i)
+        x[i] = i;
+    snprintf(n, sizeof n, "%d", N);
+    duet_task_def def = duet_default_task_def();
+    def.pair = pair;
+    def.kernel = "twice";
+    def.kernels = &(duet_kernel_text){"twice", card.chars, body.chars};
+    def.n_kernels = 1;
+    def.args = (duet_task_arg_def[]){
+        {.name = "x", .type = "int", .elements = N, .access = "slice", .initial = x},
+        {.name = "y", .type = "int", .elements = N, .access = "out slice"}};
+    def.n_args = 2;
+    def.items = N;
+    def.key = &(duet_setting){"n", n};
+    def.n_key = 1;
+    duet_task *t = kept(duet_task_create(&def, ERR));
+    duet_profile found = load(t);
+    assert_int_equal(found.grade, DUET_GRADE_EXACT);
+    assert_int_equal(found.plan.share, DUET_SHARE_ONE / 4);
+    expect_twice(t);
+}
+
 static void expect_default(duet_task *t, duet_grade grade)
 {
     const duet_plan before = *duet_task_get_plan(t);
@@ -146,13 +180,12 @@ TEST(without_a_store_the_plan_is_the_default)
 
 TEST(a_store_that_cannot_be_read_leaves_a_task_that_runs)
 {
-    duet_error err = {0};
     duet_profile profile;
     duet_task *t = create("4000");
     const duet_plan before = *duet_task_get_plan(t);
     test_write_file("store.db", "this is no store, and it is long enough to be seen as none");
-    assert_false(duet_task_load_profile(t, "store.db", &profile, &err));
-    assert_non_null(strstr(err.text, "store.db"));
+    must_fail(duet_task_load_profile(t, "store.db", &profile, ERR), DUET_STATUS_STORE_FAILED,
+              "store.db");
     assert_memory_equal(duet_task_get_plan(t), &before, sizeof before);
     expect_twice(t);
 }

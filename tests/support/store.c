@@ -33,14 +33,10 @@ store *test_store_tuned(void)
     return s;
 }
 
-duet_error test_store_refusal(const char *path, store_access access)
+void test_store_refuses(const char *path, store_access access, duet_status status, const char *says)
 {
-    duet_error err = {0};
-    assert_null(store_open(path, access, &err));
-    assert_int_not_equal(err.status, DUET_STATUS_OK);
-    assert_non_null(strstr(err.text, path));
-    assert_null(strchr(err.text, '\n'));
-    return err;
+    must_fail(store_open(path, access, ERR), status, says);
+    assert_non_null(strstr(ERR->text, path));
 }
 
 void test_store_run(const char *path, const char *statements)

@@ -18,8 +18,10 @@ test_folder test_folder_make(void);
 store *test_store_open(const char *path, store_access access);
 store *test_store_fresh(void); // in a folder of its own, open until the test ends
 store *test_store_tuned(void); // the same with what test_tune_usual leaves
-duet_error test_store_refusal(const char *path, store_access access); // the line must be one
-void test_store_run(const char *path, const char *statements);        // past the store's own code
+// Names the path, which is no store, and says so.
+void test_store_refuses(const char *path, store_access access, duet_status status,
+                        const char *says);
+void test_store_run(const char *path, const char *statements); // past the store's own code
 
 profile_pair test_pair(void);               // a CPU part as A and a GPU as B
 profile_workload test_workload(uint64_t n); // at constant density

@@ -6,6 +6,7 @@
 #include "gen/gen.h"
 #include "gen/script.h"
 #include "profiles/store.h"
+#include "support/crash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -127,8 +128,22 @@ void *test_alloc(size_t bytes)
     return test_keep(zeros, free);
 }
 
+void test_must_fail(bool failed, const char *call, duet_status status, const char *says,
+                    const char *file, int line)
+{
+    const duet_error *err = ERR;
+    bool right = err->status == status || (status == ANY_FAILURE && err->status != DUET_STATUS_OK);
+    if (failed && right && strstr(err->text, says) && !strchr(err->text, '\n'))
+        return;
+    print_error("%s: %s: %s '%s', not %s '%s'\n", call, failed ? "failed" : "did not fail",
+                duet_status_name(err->status), err->text, duet_status_name(status), says);
+    _fail(file, line);
+}
+
 static int begin_test(void **state)
 {
+    static int n_begun;
+    crash_test = tests[n_begun++].name;
     return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;
 }
 
@@ -151,6 +166,7 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end)
         tests[i].setup_func = begin_test;
         tests[i].teardown_func = end_test;
     }
+    setvbuf(stdout, NULL, _IOLBF, 0); // a crash leaves nothing unsaid
     if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
         abort();
     int n_failed = cmocka_run_group_tests(tests, begin, end);

@@ -113,6 +113,15 @@ int test_count_files(void);
     })
 #define ERR (&test_error)
 
+// A call that must fail with this status, or ANY_FAILURE, and one line that has `says`, which ERR
+// keeps.
+#define ANY_FAILURE DUET_STATUS_OK
+#define must_fail(call, status, says) \
+    test_must_fail((test_error = (duet_error){0}, !(call)), #call, status, says, __FILE__, __LINE__)
+
+void test_must_fail(bool failed, const char *call, duet_status status, const char *says,
+                    const char *file, int line);
+
 // The same, and the test keeps what was made: one of TEST_KINDS, or of the three.
 // clang-format off
 #define TEST_BACK_OF(kind) kind *: test_##kind##_back,

@@ -21,21 +21,15 @@ static void write_kernel(const char *name, const char *args, const char *body)
 
 static task *load(const char *lua)
 {
-    duet_error err = {0};
     test_write_file("t.task.lua", lua);
-    task *t = task_load("t.task.lua", NULL, 0, &err);
-    assert_ok(t, err);
-    return t;
+    return must(task_load("t.task.lua", NULL, 0, ERR));
 }
 
 static duet_device_pair *open_halves(void)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = ".";
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
-    return pair;
+    return must(duet_device_pair_create(&def, ERR));
 }
 
 static duet_plan plan_at(double share, const char *variant)
@@ -51,20 +45,18 @@ static duet_plan plan_at(double share, const char *variant)
 static void launch_at_shares(const char *lua, const char *kernel_name, bool copies)
 {
     static const double shares[] = {0, 1e-4, 0.1, 0.37, 0.5, 0.99, 1};
-    duet_error err = {0};
     char set[64];
     task *t = load(lua);
     duet_device_pair *pair = open_halves();
     for (int side = 0; copies && side < 2; ++side)
         pair->devices[side].info.host_memory = false;
-    task_launcher *l = task_launcher_open(t, pair, &err);
-    assert_ok(l, err);
+    task_launcher *l = must(task_launcher_open(t, pair, ERR));
     snprintf(set, sizeof set, "auto %s.WG=16", kernel_name);
     for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i)
         for (int k = 0; k < 2; ++k) {
             task_result r;
             duet_plan plan = plan_at(shares[i], k ? set : "auto");
-            assert_ok(task_launch(l, &plan, &r, &err), err);
+            must(task_launch(l, &plan, &r, ERR));
             assert_true(r.total_ms > 0 && r.n_stages > 0);
         }
     task_launcher_close(l);
@@ -80,15 +72,13 @@ static void launch_everywhere(const char *lua, const char *kernel_name)
 
 static void expect_open_fails(const char *lua, duet_status status, const char *says)
 {
-    duet_error err = {0};
     task *t = load(lua);
     duet_device_pair *pair = open_halves();
-    task_launcher *l = task_launcher_open(t, pair, &err);
+    task_launcher *l = NULL;
     duet_plan plan = plan_at(0.5, "auto");
     task_result r;
-    assert_false(l && task_launch(l, &plan, &r, &err));
-    if (err.status != status || !strstr(err.text, says))
-        fail_msg("%s '%s' instead of '%s'", duet_status_name(err.status), err.text, says);
+    must_fail((l = task_launcher_open(t, pair, ERR)) && task_launch(l, &plan, &r, ERR), status,
+              says);
     task_launcher_close(l);
     duet_device_pair_destroy(pair);
     task_destroy(t);
@@ -295,26 +285,20 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"os.exit()", "t.task.lua:1: "},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        duet_error err = {0};
         test_write_file("t.task.lua", cases[i].lua);
-        assert_null(task_load("t.task.lua", NULL, 0, &err));
-        if (err.status != DUET_STATUS_BAD_INPUT || !strstr(err.text, cases[i].says) ||
-            !strstr(err.text, "t.task.lua") || strchr(err.text, '\n'))
-            fail_msg("%s: %s '%s' instead of '%s'", cases[i].lua, duet_status_name(err.status),
-                     err.text, cases[i].says);
+        must_fail(task_load("t.task.lua", NULL, 0, ERR), DUET_STATUS_BAD_INPUT, cases[i].says);
+        assert_non_null(strstr(ERR->text, "t.task.lua"));
     }
 }
 
 TEST(parameters_are_set_from_outside)
 {
     const duet_setting n = {"n", "25"}, other = {"m", "1"};
-    duet_error err = {0};
     test_write_file("t.task.lua",
                     "local p = parameters{ n = 10, seed = 3 } return { kernel = 'k', items = p.n, "
                     "args = { y = { 'float4', 2 * p.n, access = 'out slice' } }, key = { n = 7 * "
                     "p.n, width = 5, bins = 64 } }");
-    task *t = task_load("t.task.lua", &n, 1, &err);
-    assert_ok(t, err);
+    task *t = must(task_load("t.task.lua", &n, 1, ERR));
     char words[TASK_WORDS];
     task_write_words(t, words);
     assert_string_equal(words, "task k bins=64 width=5");
@@ -323,9 +307,8 @@ TEST(parameters_are_set_from_outside)
     assert_int_equal(t->args[0].initial.n, 200);
     assert_int_equal(t->args[0].per_item, 2);
     task_destroy(t);
-    assert_null(task_load("t.task.lua", &other, 1, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, "no parameter 'm'; the task has n, seed"));
+    must_fail(task_load("t.task.lua", &other, 1, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "no parameter 'm'; the task has n, seed");
 }
 
 // Files of broken text, as a hostile or careless hand leaves them.

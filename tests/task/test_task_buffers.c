@@ -94,12 +94,11 @@ static buffers make_buffers(const numbers *n)
 
 static void bind(duet_task *t, const buffers *b)
 {
-    duet_error err = {0};
-    assert_ok(duet_task_set_buffer(t, "x", b->x, 0, NULL, &err), err);
-    assert_ok(duet_task_set_buffer(t, "w", b->w, 0, NULL, &err), err);
-    assert_ok(duet_task_set_buffer(t, "y", b->y, 0, NULL, &err), err);
-    assert_ok(duet_task_set_buffer(t, "z", b->z, 0, NULL, &err), err);
-    assert_ok(duet_task_set_buffer(t, "bins", b->bins, 0, NULL, &err), err);
+    must(duet_task_set_buffer(t, "x", b->x, 0, NULL, ERR));
+    must(duet_task_set_buffer(t, "w", b->w, 0, NULL, ERR));
+    must(duet_task_set_buffer(t, "y", b->y, 0, NULL, ERR));
+    must(duet_task_set_buffer(t, "z", b->z, 0, NULL, ERR));
+    must(duet_task_set_buffer(t, "bins", b->bins, 0, NULL, ERR));
 }
 
 // The task holds what it needs.
@@ -163,9 +162,7 @@ static void expect_in_buffers(const buffers *b, const numbers *right)
 
 static void expect_on_host(duet_task *t, const char *name, const void *right, size_t bytes)
 {
-    duet_error err = {0};
-    const void *found = duet_task_get_array(t, name, NULL, &err);
-    assert_ok(found, err);
+    const void *found = must(duet_task_get_array(t, name, NULL, ERR));
     assert_memory_equal(found, right, bytes);
 }
 
@@ -173,23 +170,19 @@ static void expect_on_host(duet_task *t, const char *name, const void *right, si
 
 static duet_task *open_task(duet_device_pair *pair)
 {
-    duet_error err = {0};
     duet_task_def def = duet_default_task_def();
     def.pair = pair;
     def.path = "blend.task.lua";
-    duet_task *t = duet_task_create(&def, &err);
-    assert_ok(t, err);
-    return t;
+    return must(duet_task_create(&def, ERR));
 }
 
 static void run_at(duet_task *t, double share)
 {
-    duet_error err = {0};
     duet_task_result result;
     duet_plan plan = *duet_task_get_plan(t);
     plan.share = (uint32_t)(share * DUET_SHARE_ONE);
-    assert_ok(duet_task_set_plan(t, &plan, &err), err);
-    assert_ok(duet_task_run(t, &result, &err), err);
+    must(duet_task_set_plan(t, &plan, ERR));
+    must(duet_task_run(t, &result, ERR));
 }
 
 static void run_in_buffers(duet_device_pair *pair)
@@ -210,9 +203,9 @@ static void run_in_buffers(duet_device_pair *pair)
         expect_on_host(t, "bins", right.bins, sizeof right.bins);
     }
     assert_int_equal(references(b.z), 2);
-    duet_error err = {0}; // from here on x and z are the host's
-    assert_ok(duet_task_set_array(t, "z", right.z, N, &err), err);
-    assert_ok(duet_task_set_array(t, "x", right.x, N, &err), err);
+    // from here on x and z are the host's
+    must(duet_task_set_array(t, "z", right.z, N, ERR));
+    must(duet_task_set_array(t, "x", right.x, N, ERR));
     assert_int_equal(references(b.z), 1);
     run_at(t, 0.31);
     compute(&right);
@@ -224,12 +217,9 @@ static void run_in_buffers(duet_device_pair *pair)
 
 static duet_device_pair *open_pair(const char *selector, cl_command_queue a, cl_command_queue b)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = selector;
-    duet_device_pair *pair = duet_device_pair_create_on_queues(&def, a, b, &err);
-    assert_ok(pair, err);
-    return pair;
+    return must(duet_device_pair_create_on_queues(&def, a, b, ERR));
 }
 
 static void run_on(const char *selector, cl_command_queue a, cl_command_queue b)
@@ -264,7 +254,6 @@ TEST(one_device_does_all)
 TEST(a_run_waits_for_events)
 {
     static numbers right;
-    duet_error err = {0};
     duet_device_pair *pair = open_pair(NULL, own.queues[0], own.queues[1]);
     duet_task *t = open_task(pair);
     begin(&right);
@@ -278,7 +267,7 @@ TEST(a_run_waits_for_events)
                                          0, NULL, &filled),
                      CL_SUCCESS);
     clFlush(own.queues[1]);
-    assert_ok(duet_task_set_buffer(t, "x", b.x, 1, &filled, &err), err);
+    must(duet_task_set_buffer(t, "x", b.x, 1, &filled, ERR));
     clReleaseEvent(filled);
     run_at(t, 0.5);
     compute(&right);
@@ -292,10 +281,7 @@ TEST(a_run_waits_for_events)
 
 static void refused(duet_task *t, const char *name, cl_mem mem, cl_uint n, const char *says)
 {
-    duet_error err = {0};
-    assert_false(duet_task_set_buffer(t, name, mem, n, NULL, &err));
-    if (err.status != DUET_STATUS_BAD_ARGUMENT || !strstr(err.text, says) || strchr(err.text, '\n'))
-        fail_msg("%s '%s' instead of '%s'", duet_status_name(err.status), err.text, says);
+    must_fail(duet_task_set_buffer(t, name, mem, n, NULL, ERR), DUET_STATUS_BAD_ARGUMENT, says);
 }
 
 TEST(a_wrong_buffer_is_one_line)

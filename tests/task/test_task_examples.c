@@ -21,12 +21,9 @@ static int find_folder(void **state)
 
 static duet_device_pair *open_with_examples(void)
 {
-    duet_error err = {0};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = folder;
-    duet_device_pair *pair = duet_device_pair_create(&def, &err);
-    assert_ok(pair, err);
-    return pair;
+    return must(duet_device_pair_create(&def, ERR));
 }
 
 // Both devices run each config, at a share that cuts groups apart.
@@ -37,7 +34,7 @@ static void launch_configs(task_launcher *l)
     kernel_space *space;
     uint32_t n;
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
-    assert_ok(task_kernel_space(l, &plan, 1, &space, &n, &err), err);
+    must(task_kernel_space(l, &plan, 1, &space, &n, ERR));
     assert_int_equal(n, 1);
     assert_true(space->n_configs >= 9);
     for (uint32_t i = 0; i < space->n_configs; ++i) {
@@ -54,16 +51,13 @@ static void run_example(const char *name, const char *n)
 {
     const duet_setting setting = {"n", n};
     char path[600];
-    duet_error err = {0};
     snprintf(path, sizeof path, "%s/%s.task.lua", folder, name);
-    task *t = task_load(path, &setting, 1, &err);
-    assert_ok(t, err);
+    task *t = must(task_load(path, &setting, 1, ERR));
     duet_device_pair *pair = open_with_examples();
     for (int copies = 0; copies < 2; ++copies) {
         for (int side = 0; side < 2; ++side)
             pair->devices[side].info.host_memory &= !copies;
-        task_launcher *l = task_launcher_open(t, pair, &err);
-        assert_ok(l, err);
+        task_launcher *l = must(task_launcher_open(t, pair, ERR));
         launch_configs(l);
         task_launcher_close(l);
     }
@@ -130,7 +124,6 @@ TEST(nbody_of_16384_is_within_its_bound)
     enum { N = 16384 };
     const duet_setting setting = {"n", "16384"};
     char path[600];
-    duet_error err = {0};
     duet_task_result r;
     snprintf(path, sizeof path, "%s/nbody.task.lua", folder);
     duet_device_pair *pair = open_with_examples();
@@ -140,9 +133,8 @@ TEST(nbody_of_16384_is_within_its_bound)
     def.settings = &setting;
     def.n_settings = 1;
     def.plan.share = DUET_SHARE_ONE / 3;
-    duet_task *t = duet_task_create(&def, &err);
-    assert_ok(t, err);
-    assert_ok(duet_task_run(t, &r, &err), err);
+    duet_task *t = must(duet_task_create(&def, ERR));
+    must(duet_task_run(t, &r, ERR));
     expect_attraction(t, N);
     duet_task_destroy(t);
     duet_device_pair_destroy(pair);

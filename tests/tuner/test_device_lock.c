@@ -13,10 +13,7 @@
 
 static duet_device_pair *open_pair(void)
 {
-    duet_error err = {0};
-    duet_device_pair *pair = duet_device_pair_open(NULL, &err);
-    assert_ok(pair, err);
-    return pair;
+    return must(duet_device_pair_open(NULL, ERR));
 }
 
 // A process that holds the pair's devices until it is killed, and has them when this returns.
@@ -65,7 +62,6 @@ static bool watch(void *context, const duet_tune_progress *progress)
 TEST(a_second_tuning_waits_for_the_end_of_the_first)
 {
     waiting w = {0};
-    duet_error err = {0};
     duet_tune_def def = duet_default_tune_def();
     def.pair = open_pair();
     def.wait_seconds = 60;
@@ -73,12 +69,12 @@ TEST(a_second_tuning_waits_for_the_end_of_the_first)
     def.watch_context = &w;
     w.holder = hold(&def);
     device_lock lock;
-    assert_ok(device_lock_take(&lock, &def, &err), err);
+    must(device_lock_take(&lock, &def, ERR));
     assert_int_equal(w.told, 1);
     assert_true(w.names_holder);
     device_lock_release(&lock);
     w.told = 0;
-    assert_ok(device_lock_take(&lock, &def, &err), err); // it was given back
+    must(device_lock_take(&lock, &def, ERR)); // it was given back
     assert_int_equal(w.told, 0);
     device_lock_release(&lock);
     duet_device_pair_destroy(def.pair);
@@ -87,7 +83,6 @@ TEST(a_second_tuning_waits_for_the_end_of_the_first)
 TEST(a_wait_is_stopped_by_the_watch)
 {
     waiting w = {.stops = true};
-    duet_error err = {0};
     duet_tune_def def = duet_default_tune_def();
     def.pair = open_pair();
     def.wait_seconds = 60;
@@ -95,8 +90,7 @@ TEST(a_wait_is_stopped_by_the_watch)
     def.watch_context = &w;
     w.holder = hold(&def);
     device_lock lock;
-    assert_false(device_lock_take(&lock, &def, &err));
-    assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+    must_fail(device_lock_take(&lock, &def, ERR), DUET_STATUS_INTERRUPTED, "");
     device_lock_release(&lock);
     kill(w.holder, SIGKILL);
     waitpid(w.holder, NULL, 0);
@@ -105,14 +99,13 @@ TEST(a_wait_is_stopped_by_the_watch)
 
 TEST(a_tuning_that_does_not_wait_runs_beside_others)
 {
-    duet_error err = {0};
     duet_tune_def def = duet_default_tune_def();
     def.pair = open_pair();
     def.wait_seconds = 60;
     pid_t holder = hold(&def);
     def.wait_seconds = 0;
     device_lock lock;
-    assert_ok(device_lock_take(&lock, &def, &err), err);
+    must(device_lock_take(&lock, &def, ERR));
     device_lock_release(&lock);
     kill(holder, SIGKILL);
     waitpid(holder, NULL, 0);

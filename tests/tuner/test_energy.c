@@ -59,19 +59,15 @@ static duet_tune_outcome tune(const char *name, energy_meter *meter, trial_log *
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8};
     duet_tune_outcome o;
-    duet_error err = {0};
-    assert_ok(tune_run(&problem, log, &o, &err), err);
+    must(tune_run(&problem, log, &o, ERR));
     return o;
 }
 
 static energy_meter *open_meter(void)
 {
     const energy_meter_def def = {.file = FILE_NAME};
-    duet_error err = {0};
     test_write_file(FILE_NAME, "0 J\n");
-    energy_meter *m = energy_meter_open(&def, &err);
-    assert_ok(m, err);
-    return m;
+    return must(energy_meter_open(&def, ERR));
 }
 
 // By time the best share is 0.2, where both end together. By energy A does all: it takes 0.8 J for
@@ -101,11 +97,10 @@ TEST(each_trial_keeps_its_energy_beside_its_time)
 {
     trial_log log = {0}, again;
     text json = {0};
-    duet_error err = {0};
     energy_meter *m = open_meter();
     tune("grid", m, &log);
     trial_log_to_json(&log, &json);
-    assert_ok(trial_log_from_json(&again, text_chars(&json), &err), err);
+    must(trial_log_from_json(&again, text_chars(&json), ERR));
     assert_true(log.n > 30 && again.n == log.n);
     for (uint32_t i = 0; i < log.n; ++i) {
         double share = log.entries[i].plan.share / 65536.0;

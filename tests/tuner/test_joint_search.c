@@ -154,9 +154,8 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
 static duet_tune_outcome tune_fake(fake *f, const char *name)
 {
     duet_tune_outcome o;
-    duet_error err = {0};
     trial_log log = {0};
-    assert_ok(run_fake(f, name, NULL, &log, &o, &err), err);
+    must(run_fake(f, name, NULL, &log, &o, ERR));
     trial_log_free(&log);
     return o;
 }
@@ -292,17 +291,16 @@ TEST(no_plan_is_measured_twice)
         if (strategies[k]->choice == STRATEGY_SHARE)
             continue;
         search_history h = {.space = &s, .seed = 3, .options.launches = 300};
-        duet_error err = {0};
         while (h.n < 300) {
             search_next next;
-            assert_ok(strategies[k]->ask(&h, &next, &err), err);
+            must(strategies[k]->ask(&h, &next, ERR));
             if (next.done)
                 break;
             assert_null(search_history_find(&h, &next.at));
             search_sample sample = next.at;
             sample.failed = rng_below(&f.random, 9) == 0;
             sample.total_ns = 1000 + rng_below(&f.random, 1000);
-            assert_ok(search_history_add(&h, &sample, &err), err);
+            must(search_history_add(&h, &sample, ERR));
         }
         assert_int_equal(h.n, 300);
         search_history_free(&h);
@@ -327,7 +325,7 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
             err = (duet_error){0};
             trial_log_to_json(&log, &json);
             trial_log_free(&log);
-            assert_ok(trial_log_from_json(&log, text_chars(&json), &err), err);
+            must(trial_log_from_json(&log, text_chars(&json), ERR));
             text_free(&json);
         }
         assert_true(stops > 10);
@@ -378,9 +376,8 @@ TEST(a_script_searches_kernels_and_share_together)
     fake f = {.random = rng_seed(test_seed())};
     for (int i = 0; i < 5; ++i) {
         duet_tune_outcome o;
-        duet_error err = {0};
         invent(&f);
-        assert_ok(tune_by(&f, chars, &o, &err), err);
+        must(tune_by(&f, chars, &o, ERR));
         assert_int_equal(o.plans_tried, 2 * CONFIGS + POINTS + 1);
         assert_true(time_of_plan(&f, &o.plan) <= least_time(&f) + 1e-12);
     }
@@ -399,10 +396,7 @@ TEST(a_script_that_gives_no_plan_is_told_what_was_expected)
     invent(&f);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_tune_outcome o;
-        duet_error err = {0};
-        assert_false(tune_by(&f, wrong[i][0], &o, &err));
-        if (!strstr(err.text, wrong[i][1]))
-            fail_msg("'%s' does not say '%s'", err.text, wrong[i][1]);
+        must_fail(tune_by(&f, wrong[i][0], &o, ERR), DUET_STATUS_BAD_INPUT, wrong[i][1]);
     }
 }
 

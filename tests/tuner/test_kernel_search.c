@@ -202,8 +202,7 @@ static bool run_fake(fake *f, const duet_tune_def *def, trial_log *state,
 static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def, trial_log *state)
 {
     duet_tune_outcome outcome;
-    duet_error err = {0};
-    assert_ok(run_fake(f, def, state, &outcome, &err), err);
+    must(run_fake(f, def, state, &outcome, ERR));
     return outcome;
 }
 
@@ -320,12 +319,9 @@ TEST(kernels_that_do_not_build_at_all_are_said_with_their_reason)
     duet_tune_def def = fake_def(&f);
     trial_log log = {0};
     duet_tune_outcome o;
-    duet_error err = {0};
     invent(&f, cpu_values);
     f.broken = f.space.params[0].values[f.space.configs[f.space.now][0]];
-    assert_false(run_fake(&f, &def, &log, &o, &err));
-    assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
-    assert_non_null(strstr(err.text, "broken does not build"));
+    must_fail(run_fake(&f, &def, &log, &o, ERR), DUET_STATUS_BUILD_FAILED, "broken does not build");
     trial_log_free(&log);
 }
 
@@ -368,7 +364,7 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
         err = (duet_error){0};
         trial_log_to_json(&log, &json);
         trial_log_free(&log);
-        assert_ok(trial_log_from_json(&log, text_chars(&json), &err), err);
+        must(trial_log_from_json(&log, text_chars(&json), ERR));
         text_free(&json);
         assert_true(++stops < 200);
     }

@@ -19,20 +19,19 @@ typedef struct fixture {
 static int begin(void **state)
 {
     static fixture f;
-    duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
     devices.a = devices.b = "cpu";
     duet_world_def def = duet_default_world_def();
-    assert_ok((f.pair = duet_device_pair_create(&devices, &err)), err);
+    must((f.pair = duet_device_pair_create(&devices, ERR)));
     def.pair = f.pair;
-    assert_ok((f.world = duet_world_create(&def, &err)), err);
+    must((f.world = duet_world_create(&def, ERR)));
     duet_pose poses[BOXES];
     for (int i = 0; i < BOXES; ++i)
         poses[i] =
             (duet_pose){{0.7f * (float)(i % 17), 0.8f * (float)(i % 5), 0.9f * (float)(i % 13)},
                         {0.5f, 0.5f, 0.5f},
                         {0, 0, 0, 1}};
-    assert_ok(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, BOXES, &err), err);
+    must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, BOXES, ERR));
     f.at = (subject){.kind = &subject_still, .state = f.world};
     *state = &f;
     return 0;
@@ -55,11 +54,10 @@ static duet_plan plan_of_b(const char *variant)
 
 static kernel_space *read_b(fixture *f, const char *variant, uint32_t *n)
 {
-    duet_error err = {0};
     kernel_space *spaces;
     duet_plan plan = plan_of_b(variant);
-    assert_ok(duet_world_set_plan(f->world, &plan, &err), err);
-    assert_ok(kernel_spaces_read(f->world, 1, &spaces, n, &err), err);
+    must(duet_world_set_plan(f->world, &plan, ERR));
+    must(kernel_spaces_read(f->world, 1, &spaces, n, ERR));
     return spaces;
 }
 
@@ -113,7 +111,6 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     fixture *f = *state;
     uint32_t n;
     char variant[DUET_VARIANT];
-    duet_error err = {0};
     measure_launch plain = {0}, set = {0};
     kernel_space *spaces = read_b(f, "simd", &n);
     const kernel_space *s = find(spaces, n, "clear");
@@ -126,9 +123,9 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
     measure_machine machine = subject_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
-    assert_ok(machine.launch(machine.context, &plan, false, &plain, &err), err);
+    must(machine.launch(machine.context, &plan, false, &plain, ERR));
     strcpy(plan.variant_b, variant);
-    assert_ok(machine.launch(machine.context, &plan, false, &set, &err), err);
+    must(machine.launch(machine.context, &plan, false, &set, ERR));
     assert_true(plain.hash == set.hash && plain.hash != 0);
     free(spaces);
 }
@@ -138,11 +135,10 @@ TEST(terms_count_the_search_that_tests)
 {
     static const char *const stages[] = {"search"};
     fixture *f = *state;
-    duet_error err = {0};
     measure_launch launch = {0};
     measure_machine machine = subject_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
-    assert_ok(machine.launch(machine.context, &plan, true, &launch, &err), err);
+    must(machine.launch(machine.context, &plan, true, &launch, ERR));
     double ms = (double)measure_stages_ns(&launch, 1, stages, 1) * 1e-6;
     assert_true(ms > 0);
     assert_int_equal(measure_stages_ns(&launch, 0, stages, 1), 0);

@@ -19,9 +19,8 @@ enum { N = sizeof list / sizeof list[0] };
 static duet_level choose(const profile_level_cost *costs, double missed, double false_rate)
 {
     duet_level level;
-    duet_error err = {0};
     duet_accuracy accuracy = {missed, false_rate};
-    assert_ok(level_choose(costs, N, all, DUET_LEVELS, &accuracy, &level, &err), err);
+    must(level_choose(costs, N, all, DUET_LEVELS, &accuracy, &level, ERR));
     return level;
 }
 
@@ -50,11 +49,10 @@ TEST(what_no_level_reaches_names_the_nearest)
     static const duet_level some[] = {DUET_LEVEL_AABB, DUET_LEVEL_SAT6, DUET_LEVEL_SPHERE};
     const duet_accuracy accuracy = {0, 0.02};
     duet_level level;
-    duet_error err = {0};
-    assert_false(level_choose(list, N, some, 3, &accuracy, &level, &err));
-    assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
-    assert_string_equal(err.text, "no level to choose from is within missed 0 and false rate 0.02: "
-                                  "'sat6' comes nearest, with 0 and 0.09");
+    must_fail(level_choose(list, N, some, 3, &accuracy, &level, ERR), DUET_STATUS_NOT_FOUND, "");
+    assert_string_equal(ERR->text,
+                        "no level to choose from is within missed 0 and false rate 0.02: "
+                        "'sat6' comes nearest, with 0 and 0.09");
 }
 
 TEST(a_level_without_a_cost_is_not_chosen)
@@ -62,9 +60,8 @@ TEST(a_level_without_a_cost_is_not_chosen)
     static const duet_level only[] = {DUET_LEVEL_DOUBLE};
     const duet_accuracy accuracy = {0, 0};
     duet_level level;
-    duet_error err = {0};
-    assert_false(level_choose(list, 2, only, 1, &accuracy, &level, &err));
-    assert_non_null(strstr(err.text, "runs on both devices"));
+    must_fail(level_choose(list, 2, only, 1, &accuracy, &level, ERR), DUET_STATUS_NOT_FOUND,
+              "runs on both devices");
 }
 
 // Which level does where another was asked for: docs/accuracy.md has the table.

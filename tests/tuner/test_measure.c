@@ -10,13 +10,10 @@ enum { BOXES = 300 };
 
 static duet_world *make_world(void)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
     def.pair = devices;
-    duet_world *world = duet_world_create(&def, &err);
-    assert_ok(world, err);
-    duet_pose *poses = duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, &err);
-    assert_ok(poses, err);
+    duet_world *world = must(duet_world_create(&def, ERR));
+    duet_pose *poses = must(duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, ERR));
     for (int i = 0; i < BOXES; ++i)
         poses[i] =
             (duet_pose){{0.7f * (float)(i % 17), 0.8f * (float)(i % 5), 0.9f * (float)(i % 13)},
@@ -54,9 +51,8 @@ TEST(a_gpus_launches_that_count_are_not_timed_by_stages)
     subject at = {.kind = &subject_still, .state = world};
     measure_machine machine = subject_machine(&at, 0);
     measure_launch first = {0};
-    duet_error err = {0};
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "simd", .variant_b = "simd"};
-    assert_ok(machine.launch(machine.context, &plan, false, &first, &err), err);
+    must(machine.launch(machine.context, &plan, false, &first, ERR));
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         watched w = {.machine = &machine, .world = world};
         measure_machine watching = {.context = &w, .launch = launch_watched, .hash = first.hash};

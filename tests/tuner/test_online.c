@@ -93,12 +93,11 @@ static trials run_on(online *o, machine *m, uint32_t n)
 {
     trials tried = {.longest = 1};
     for (uint32_t i = 0; i < n; ++i) {
-        duet_error err = {0};
         listed_plan plan, kept = o->plan;
         search_sample frame;
-        assert_ok(online_plan(o, &plan, &err), err);
+        must(online_plan(o, &plan, ERR));
         launch(m, &plan, &frame);
-        assert_ok(online_tell(o, &frame, &err), err);
+        must(online_tell(o, &frame, ERR));
         double ratio =
             fmax(time_of(m, &plan), m->r ? 0 : (double)frame.total_ns) / time_of(m, &kept);
         tried.longest = fmax(tried.longest, ratio);
@@ -346,7 +345,6 @@ TEST(a_rival_that_cannot_run_is_not_tried_again)
     online o = begin_learned(&start, &m);
     uint32_t refused = 0;
     for (int i = 0; i < 20000; ++i) {
-        duet_error err = {0};
         listed_plan plan;
         search_sample frame;
         if (online_is_trial(&o)) {
@@ -354,9 +352,9 @@ TEST(a_rival_that_cannot_run_is_not_tried_again)
             ++refused;
         }
         assert_false(online_is_trial(&o));
-        assert_ok(online_plan(&o, &plan, &err), err);
+        must(online_plan(&o, &plan, ERR));
         launch(&m, &plan, &frame);
-        assert_ok(online_tell(&o, &frame, &err), err);
+        must(online_tell(&o, &frame, ERR));
     }
     assert_int_equal(o.plan.share, 0);
     assert_in_range(refused, 1, PLAN_MODES * KERNELS * KERNELS + 2 * KERNELS);
@@ -377,10 +375,10 @@ static void make_world(fixture *f)
     duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
     duet_world_def def = duet_default_world_def();
-    assert_ok((f->pair = duet_device_pair_create(&devices, &err)), err);
+    must((f->pair = duet_device_pair_create(&devices, ERR)));
     def.pair = f->pair;
     def.plan.share = DUET_SHARE_ONE / 2;
-    assert_ok((f->world = duet_world_create(&def, &err)), err);
+    must((f->world = duet_world_create(&def, ERR)));
     rng r = rng_seed(test_seed());
     duet_pose *poses = duet_world_map_objects(f->world, DUET_OBJECT_POSES, BOXES, &err);
     assert_non_null(poses);
@@ -403,24 +401,23 @@ TEST(steps_find_the_same_pairs_while_the_share_is_watched)
     duet_error err = {0};
     duet_result plain, watched;
     make_world(&f);
-    assert_ok(duet_world_step(f.world, &plain, &err), err);
+    must(duet_world_step(f.world, &plain, ERR));
     uint64_t hash = duet_result_get_hash(&plain);
     duet_online_def def = duet_default_online_def();
     def.world = f.world;
     duet_online *watching = duet_online_create(&def, &err);
     assert_non_null(watching);
     for (int i = 0; i < 100; ++i) {
-        assert_ok(duet_online_step(watching, &watched, &err), err);
+        must(duet_online_step(watching, &watched, ERR));
         assert_true(duet_result_get_hash(&watched) == hash);
     }
-    assert_ok(duet_online_destroy(watching, &err), err);
+    must(duet_online_destroy(watching, ERR));
     destroy_world(&f);
 }
 
 // Stores what a tuning leaves.
 static void put_tuned(record *r, const duet_plan *plan, const char *level)
 {
-    duet_error err = {0};
     profile_row row = {
         .pair_id = r->pair_id,
         .workload_id = r->workload_id,
@@ -438,7 +435,7 @@ static void put_tuned(record *r, const duet_plan *plan, const char *level)
         .origin = "manual",
         .trial_number = -1,
     };
-    assert_ok(profile_put(r->store, &row, NULL, "tuned again", NULL, &err), err);
+    must(profile_put(r->store, &row, NULL, "tuned again", NULL, ERR));
 }
 
 // A share that nobody compared with one device alone is not followed.
@@ -448,19 +445,18 @@ TEST(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned)
     profile_subject known;
     record r;
     duet_profile profile;
-    duet_error err = {0};
     make_world(&f);
-    assert_ok(profile_subject_read(f.world, &known, &err), err);
+    must(profile_subject_read(f.world, &known, ERR));
     profile_request request = profile_subject_request(&known);
     duet_plan plan = *duet_world_get_plan(f.world);
     for (int tuned = 0; tuned < 2; ++tuned) {
         plan.share = 12345;
-        assert_ok(record_open(&r, STORE, &err) && record_aim(&r, &request, &err), err);
+        must(record_open(&r, STORE, ERR) && record_aim(&r, &request, ERR));
         if (tuned)
             put_tuned(&r, duet_world_get_plan(f.world), "certified");
-        assert_ok(record_online(&r, &plan, 2e6, &err), err);
+        must(record_online(&r, &plan, 2e6, ERR));
         record_close(&r);
-        assert_ok(duet_world_load_profile(f.world, STORE, &profile, &err), err);
+        must(duet_world_load_profile(f.world, STORE, &profile, ERR));
         assert_int_equal(profile.grade, tuned ? DUET_GRADE_EXACT : DUET_GRADE_DEFAULT);
         assert_int_equal(duet_world_get_plan(f.world)->share, tuned ? 12345 : DUET_SHARE_ONE / 2);
     }
@@ -474,37 +470,30 @@ enum { PHASES = 90 };
 
 static duet_motion *drop(duet_device_pair *pair, const duet_scene *scene, uint32_t share)
 {
-    duet_error err = {0};
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     def.plan.share = share;
-    duet_motion *m = duet_motion_create_from_scene(&def, scene, NULL, &err);
-    assert_ok(m != NULL, err);
-    return m;
+    return must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
 }
 
 // The state's bits after bodies fell, crashed and lay down.
 static uint64_t run_falling(duet_motion *m, duet_online *watching)
 {
     duet_motion_result result;
-    duet_error err = {0};
     uint64_t hash = 0;
     for (int i = 0; i < PHASES; ++i)
-        assert_ok(watching ? duet_online_advance(watching, &result, &err)
-                           : duet_motion_advance(m, &result, &err),
-                  err);
+        must(watching ? duet_online_advance(watching, &result, ERR)
+                      : duet_motion_advance(m, &result, ERR));
     assert_true(result.contacts > 0);
-    assert_ok(duet_motion_get_hash(m, &hash, &err), err);
+    must(duet_motion_get_hash(m, &hash, ERR));
     return hash;
 }
 
 TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
 {
-    duet_error err = {0};
     duet_device_pair_def devices = duet_default_device_pair_def();
-    duet_device_pair *pair = duet_device_pair_create(&devices, &err);
+    duet_device_pair *pair = must(duet_device_pair_create(&devices, ERR));
     const duet_setting n = {"n", "600"};
-    duet_scene *scene = duet_scene_load("falling", &n, 1, &err);
-    assert_ok(pair && scene, err);
+    duet_scene *scene = must(duet_scene_load("falling", &n, 1, ERR));
     duet_motion *plain = drop(pair, scene, DUET_SHARE_ONE / 2);
     uint64_t hash = run_falling(plain, NULL);
     duet_motion_destroy(plain);
@@ -513,16 +502,15 @@ TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
     duet_online_def def = duet_default_online_def();
     def.motion = m;
     def.keep = true;
-    assert_null(duet_online_create(&def, &err));
-    assert_non_null(strstr(err.text, "keep: expected none for a motion"));
+    must_fail(duet_online_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "keep: expected none for a motion");
     def.keep = false;
-    duet_online *watching = duet_online_create(&def, &err);
-    assert_ok(watching != NULL, err);
+    duet_online *watching = must(duet_online_create(&def, ERR));
     assert_true(run_falling(m, watching) == hash);
     duet_result still;
-    assert_false(duet_online_step(watching, &still, &err));
-    assert_non_null(strstr(err.text, "the def had no world"));
-    assert_ok(duet_online_destroy(watching, &err), err);
+    must_fail(duet_online_step(watching, &still, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "the def had no world");
+    must(duet_online_destroy(watching, ERR));
     duet_motion_destroy(m);
     duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);
@@ -531,11 +519,8 @@ TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
 TEST(a_def_that_is_no_def_is_refused)
 {
     duet_online_def zero = {0}, neither = duet_default_online_def();
-    duet_error err = {0};
-    assert_null(duet_online_create(&zero, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_null(duet_online_create(&neither, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
+    must_fail(duet_online_create(&zero, ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    must_fail(duet_online_create(&neither, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
 
 TEST_MAIN(NULL, NULL)

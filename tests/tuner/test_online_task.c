@@ -7,13 +7,11 @@
 #include "tuner/duet_tune.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum { N = 2000, MOST_RUNS = 1500 };
 
 static duet_task *open_task(void)
 {
-    duet_error err = {0};
     task_files_write(".", "spin", "const int *x\nint *y\n",
                      "int v = x[i]; for (int k = 0; k < 2000; ++k) v = v * 5 + 3; y[i] = v;");
     test_write_file("spin.task.lua",
@@ -23,9 +21,7 @@ static duet_task *open_task(void)
     def.pair = devices;
     def.path = "spin.task.lua";
     def.plan.share = DUET_SHARE_ONE / 100 * 97;
-    duet_task *t = duet_task_create(&def, &err);
-    assert_ok(t, err);
-    return t;
+    return must(duet_task_create(&def, ERR));
 }
 
 static void expect_right(duet_task *t)
@@ -44,21 +40,19 @@ static void expect_right(duet_task *t)
 TEST(the_share_moves_from_the_device_that_is_waited_for)
 {
     skip_on_one_device();
-    duet_error err = {0};
     duet_task_result result;
     duet_task *t = open_task();
     duet_online_def def = duet_default_online_def();
     def.task = t;
-    duet_online *o = duet_online_create(&def, &err);
-    assert_ok(o, err);
+    duet_online *o = must(duet_online_create(&def, ERR));
     const uint32_t before = duet_task_get_plan(t)->share;
     int run = 0;
     for (; run < MOST_RUNS && duet_task_get_plan(t)->share >= before; ++run) {
-        assert_ok(duet_online_run(o, &result, &err), err);
+        must(duet_online_run(o, &result, ERR));
         expect_right(t);
     }
     assert_true(run < MOST_RUNS);
-    assert_ok(duet_online_destroy(o, &err), err);
+    must(duet_online_destroy(o, ERR));
     duet_task_destroy(t);
 }
 
@@ -68,19 +62,16 @@ TEST(what_a_task_has_not_is_refused)
     duet_online_def def = duet_default_online_def();
     def.task = t;
     for (int i = 0; i < 2; ++i) {
-        duet_error err = {0};
         duet_online_def wrong = def;
         wrong.keep = i == 0;
         wrong.n_variants = (uint32_t)i;
-        assert_null(duet_online_create(&wrong, &err));
-        assert_non_null(strstr(err.text, "expected none for a task, whose share alone moves"));
+        must_fail(duet_online_create(&wrong, ERR), DUET_STATUS_BAD_ARGUMENT,
+                  "expected none for a task, whose share alone moves");
     }
     duet_error err = {0};
     duet_result result;
-    duet_online *o = duet_online_create(&def, &err);
-    assert_ok(o, err);
-    assert_false(duet_online_step(o, &result, &err));
-    assert_non_null(strstr(err.text, "the def had no world"));
+    duet_online *o = must(duet_online_create(&def, ERR));
+    must_fail(duet_online_step(o, &result, ERR), DUET_STATUS_BAD_ARGUMENT, "the def had no world");
     assert_ok(duet_online_destroy(o, NULL), err);
     duet_task_destroy(t);
 }

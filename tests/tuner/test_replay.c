@@ -23,7 +23,6 @@ static store *recorded;
 static int open_store(void **state)
 {
     (void)state;
-    duet_error err = {0};
     char command[256];
     profile_import_counts counts;
     folder = test_folder_make();
@@ -31,7 +30,7 @@ static int open_store(void **state)
     snprintf(command, sizeof command, "gzip -dc '%s/surfaces.jsonl.gz'", getenv("DUET_TEST_DATA"));
     FILE *in = popen(command, "r");
     assert_non_null(in);
-    assert_ok(profile_import(recorded, in, "surfaces.jsonl.gz", &counts, &err), err);
+    must(profile_import(recorded, in, "surfaces.jsonl.gz", &counts, ERR));
     assert_int_equal(pclose(in), 0);
     return 0;
 }
@@ -47,16 +46,15 @@ static int close_store(void **state)
 // take SPREAD more from one to the next.
 static void record_invented(store *s)
 {
-    duet_error err = {0};
     int64_t pair_id, workload_id, number;
     char id[PROFILE_ID];
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(INVENTED);
     workload.name = "invented";
-    assert_ok(profile_pair_put(s, &pair, &pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &workload, &workload_id, &err), err);
+    must(profile_pair_put(s, &pair, &pair_id, ERR));
+    must(profile_workload_put(s, &workload, &workload_id, ERR));
     profile_session session = test_session(pair_id, workload_id);
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
     for (int i = 0; i <= POINTS; ++i) {
         if (i == LEFT_OUT)
             continue;
@@ -68,31 +66,29 @@ static void record_invented(store *s)
             samples[k].a_ns = llround((double)samples[0].a_ns * longer);
             samples[k].b_ns = llround((double)samples[0].b_ns * longer);
         }
-        assert_ok(profile_trial_add(s, id, &trial, NULL, &number, &err), err);
+        must(profile_trial_add(s, id, &trial, NULL, &number, ERR));
     }
 }
 
 // The one surface of that many objects in a store; the caller closes *r and frees it.
 static profile_surface *open_surface(store *s, uint64_t n, replay *r)
 {
-    duet_error err = {0};
     profile_surface *surfaces;
     uint32_t n_surfaces, i = 0;
-    assert_ok(profile_surfaces_get(s, &surfaces, &n_surfaces, &err), err);
+    must(profile_surfaces_get(s, &surfaces, &n_surfaces, ERR));
     while (i < n_surfaces && surfaces[i].n != n)
         ++i;
     assert_true(i < n_surfaces);
     surfaces[0] = surfaces[i];
-    assert_ok(replay_open(r, s, &surfaces[0], &err), err);
+    must(replay_open(r, s, &surfaces[0], ERR));
     return surfaces;
 }
 
 static replay_outcome run(replay *r, const char *name, uint64_t seed)
 {
-    duet_error err = {0};
     replay_outcome outcome;
     replay_def def = {.strategy = name, .seed = seed};
-    assert_ok(replay_run(r, &def, &outcome, &err), err);
+    must(replay_run(r, &def, &outcome, ERR));
     return outcome;
 }
 
@@ -186,7 +182,6 @@ static void record_plan(store *s, const char *session, double share, int a, int 
     profile_sample samples[3];
     profile_trial trial = test_trial(INVENTED, share, samples, 3);
     int64_t number;
-    duet_error err = {0};
     for (int k = 0; k < 3; ++k) {
         samples[k].total_ns = llround(joint_ns(share, a, b));
         samples[k].a_ns = llround(joint_ns(share, a, b) * (share > 0));
@@ -194,22 +189,21 @@ static void record_plan(store *s, const char *session, double share, int a, int 
     }
     strcpy(trial.plan.variant_a, kernels[a].variant);
     strcpy(trial.plan.variant_b, kernels[b].variant);
-    assert_ok(profile_trial_add(s, session, &trial, NULL, &number, &err), err);
+    must(profile_trial_add(s, session, &trial, NULL, &number, ERR));
 }
 
 // What brute force would have kept: every config of both devices at each share of a grid.
 static void record_joint(store *s)
 {
-    duet_error err = {0};
     int64_t pair_id, workload_id;
     char id[PROFILE_ID];
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(INVENTED);
-    assert_ok(profile_pair_put(s, &pair, &pair_id, &err), err);
-    assert_ok(profile_workload_put(s, &workload, &workload_id, &err), err);
+    must(profile_pair_put(s, &pair, &pair_id, ERR));
+    must(profile_workload_put(s, &workload, &workload_id, ERR));
     profile_session session = test_session(pair_id, workload_id);
     session.strategy = "brute";
-    assert_ok(profile_session_begin(s, &session, id, &err), err);
+    must(profile_session_begin(s, &session, id, ERR));
     for (int k = 0; k < KERNELS; ++k) {
         record_plan(s, id, 0, 0, k);
         record_plan(s, id, 1, k, 0);
@@ -230,13 +224,12 @@ static double least_joint_ns(void)
 
 static profile_surface *open_joint(store *s, replay *r)
 {
-    duet_error err = {0};
     profile_surface *surfaces;
     uint32_t n;
-    assert_ok(profile_surfaces_get(s, &surfaces, &n, &err), err);
+    must(profile_surfaces_get(s, &surfaces, &n, ERR));
     assert_true(n > 0 && surfaces[n - 1].joint);
     surfaces[0] = surfaces[n - 1];
-    assert_ok(replay_open(r, s, &surfaces[0], &err), err);
+    must(replay_open(r, s, &surfaces[0], ERR));
     return surfaces;
 }
 
@@ -278,21 +271,20 @@ TEST(kernels_and_share_are_searched_on_what_brute_force_recorded)
 TEST(a_strategy_for_a_share_alone_needs_another_surface)
 {
     replay r;
-    duet_error err = {0};
     replay_outcome o;
     test_folder own = test_folder_make();
     store *s = test_store_open(own.store, STORE_WRITE);
     record_joint(s);
     profile_surface *surface = open_joint(s, &r);
-    assert_false(replay_run(&r, &(replay_def){.strategy = "balance"}, &o, &err));
-    assert_non_null(strstr(err.text, "'balance' chooses a share alone; expected one for kernels"));
+    must_fail(replay_run(&r, &(replay_def){.strategy = "balance"}, &o, ERR),
+              DUET_STATUS_BAD_ARGUMENT,
+              "'balance' chooses a share alone; expected one for kernels");
     replay_close(&r);
     free(surface);
     store_close(s);
-    err = (duet_error){0};
     surface = open_surface(recorded, 20000, &r);
-    assert_false(replay_run(&r, &(replay_def){.strategy = "random"}, &o, &err));
-    assert_non_null(strstr(err.text, "'random' chooses kernels and share; expected one for a"));
+    must_fail(replay_run(&r, &(replay_def){.strategy = "random"}, &o, ERR),
+              DUET_STATUS_BAD_ARGUMENT, "'random' chooses kernels and share; expected one for a");
     replay_close(&r);
     free(surface);
 }

@@ -14,10 +14,9 @@ static uint32_t pick_of(const char *name, const simulated_pair *model, rng *r, u
                         double *cost)
 {
     search s;
-    duet_error err = {0};
     uint64_t cost_ns;
-    assert_ok(any_strategy_begin(&s, name, &err), err);
-    assert_ok(simulated_run(&s, model, r, &cost_ns, &err), err);
+    must(any_strategy_begin(&s, name, ERR));
+    must(simulated_run(&s, model, r, &cost_ns, ERR));
     uint32_t share = search_pick(&s);
     if (launches)
         *launches = s.history.n;
@@ -67,9 +66,8 @@ TEST(fig12_never_comes_nearer_with_more_launches)
         search_options options = search_default_options();
         options.launches = 1003;
         search s;
-        duet_error err = {0};
-        assert_ok(search_begin(&s, "fig12", &options, &err), err);
-        assert_ok(simulated_run(&s, &model, NULL, NULL, &err), err);
+        must(search_begin(&s, "fig12", &options, ERR));
+        must(simulated_run(&s, &model, NULL, NULL, ERR));
         assert_int_equal(search_pick(&s), (uint32_t)(fig12_table[i].share * SEARCH_ONE));
         search_end(&s);
     }
@@ -90,10 +88,9 @@ TEST(fig12_loses_the_best_share_for_92_percent_of_speed_ratios)
     for (uint32_t i = 0; i < N_RATIOS; ++i) {
         simulated_pair model = {.ratio = ratio_at(i)};
         search s;
-        duet_error err = {0};
         uint32_t low, high;
-        assert_ok(search_begin(&s, "fig12", NULL, &err), err);
-        assert_ok(simulated_run(&s, &model, NULL, NULL, &err), err);
+        must(search_begin(&s, "fig12", NULL, ERR));
+        must(simulated_run(&s, &model, NULL, NULL, ERR));
         search_bracket(&s, &low, &high);
         double best = SEARCH_ONE / (model.ratio + 1);
         double least = 1e7 * model.ratio / (model.ratio + 1);
@@ -150,11 +147,11 @@ TEST(the_bracket_holds_the_best_share_at_every_step)
         uint32_t best = simulated_best(&model).share;
         search s;
         duet_error err = {0};
-        assert_ok(search_begin(&s, "balance", NULL, &err), err);
+        must(search_begin(&s, "balance", NULL, ERR));
         for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
             uint32_t low, high;
             search_sample sample = simulated_launch(&model, next.at.share, NULL);
-            assert_ok(search_tell(&s, &sample, &err), err);
+            must(search_tell(&s, &sample, ERR));
             search_bracket(&s, &low, &high);
             assert_true(low <= best && best <= high);
         }
@@ -177,9 +174,8 @@ TEST(balance_is_within_1_percent_in_9_launches_without_noise)
     for (uint32_t i = 0; i < 6 * N_RATIOS; i += 19) {
         simulated_pair model = affine_model(i / 6, 0.07 * (i % 3), i % 2);
         search s;
-        duet_error err = {0};
-        assert_ok(search_begin(&s, "balance", &nine, &err), err);
-        assert_ok(simulated_run(&s, &model, NULL, NULL, &err), err);
+        must(search_begin(&s, "balance", &nine, ERR));
+        must(simulated_run(&s, &model, NULL, NULL, ERR));
         assert_true(simulated_excess(&model, search_pick(&s)) <= 0.01);
         search_end(&s);
     }
@@ -206,9 +202,8 @@ TEST(balance_is_within_3_percent_on_average_in_16_noisy_launches)
             model.spike_chance = 0.05;
             model.spike_most = 3;
             search s;
-            duet_error err = {0};
-            assert_ok(search_begin(&s, "balance", &sixteen, &err), err);
-            assert_ok(simulated_run(&s, &model, &r, NULL, &err), err);
+            must(search_begin(&s, "balance", &sixteen, ERR));
+            must(simulated_run(&s, &model, &r, NULL, ERR));
             off[i] = simulated_excess(&model, search_pick(&s));
             mean += off[i] / (3 * N_PAIRS);
             search_end(&s);
@@ -229,9 +224,8 @@ TEST(balance_never_launches_at_a_share_that_is_dear)
         double most = fmax(3.2, model.ratio / 16 + 0.2);
         uint64_t cost;
         search s;
-        duet_error err = {0};
-        assert_ok(search_begin(&s, "balance", NULL, &err), err);
-        assert_ok(simulated_run(&s, &model, NULL, &cost, &err), err);
+        must(search_begin(&s, "balance", NULL, ERR));
+        must(simulated_run(&s, &model, NULL, &cost, ERR));
         for (uint32_t k = 0; k < s.history.n; ++k) {
             assert_true((double)s.history.samples[k].total_ns <= most * alone);
             assert_true(s.history.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
@@ -265,10 +259,9 @@ TEST(a_neighbours_share_is_the_first_probe)
     options.start = SEARCH_ONE / 11;
     simulated_pair model = {.ratio = 10};
     search s;
-    duet_error err = {0};
     uint64_t cost;
-    assert_ok(search_begin(&s, "balance", &options, &err), err);
-    assert_ok(simulated_run(&s, &model, NULL, &cost, &err), err);
+    must(search_begin(&s, "balance", &options, ERR));
+    must(simulated_run(&s, &model, NULL, &cost, ERR));
     assert_int_equal(s.history.samples[1].share, options.start);
     assert_true(s.history.n <= 6);
     assert_true(simulated_excess(&model, search_pick(&s)) < 0.005);
@@ -281,14 +274,13 @@ TEST(chunks_follow_a_device_that_slows_down)
     endless.launches = 1000;
     simulated_pair fast = {.ratio = 1}, slow = {.ratio = 5};
     search s;
-    duet_error err = {0};
-    assert_ok(search_begin(&s, "chunks", &endless, &err), err);
+    must(search_begin(&s, "chunks", &endless, ERR));
     for (int i = 0; i < 30; ++i) {
         const simulated_pair *model = i < 15 ? &fast : &slow;
         search_next next;
-        assert_ok(search_ask(&s, &next, &err), err);
+        must(search_ask(&s, &next, ERR));
         search_sample sample = simulated_launch(model, next.at.share, NULL);
-        assert_ok(search_tell(&s, &sample, &err), err);
+        must(search_tell(&s, &sample, ERR));
         if (i == 14 || i == 29)
             assert_true(simulated_excess(model, search_pick(&s)) < 0.02);
     }
@@ -304,7 +296,7 @@ TEST(senseless_times_do_no_harm)
         search_next next;
         duet_error err = {0};
         uint32_t low, high;
-        assert_ok(any_strategy_begin(&s, any_strategies[i % 6], &err), err);
+        must(any_strategy_begin(&s, any_strategies[i % 6], ERR));
         while (search_ask(&s, &next, &err) && !next.done) {
             uint64_t ns[3];
             for (int k = 0; k < 3; ++k)
@@ -312,7 +304,7 @@ TEST(senseless_times_do_no_harm)
             assert_true(next.at.share <= SEARCH_ONE);
             search_sample sample = {
                 .share = next.at.share, .total_ns = ns[0], .a_ns = ns[1], .b_ns = ns[2]};
-            assert_ok(search_tell(&s, &sample, &err), err);
+            must(search_tell(&s, &sample, ERR));
             search_bracket(&s, &low, &high);
             assert_true(s.history.n < 1000 && search_pick(&s) <= SEARCH_ONE);
         }
@@ -324,11 +316,10 @@ TEST(senseless_times_do_no_harm)
 // A search is its samples: begun anew and told the same, it goes on alike.
 static void begin_again(search *s)
 {
-    duet_error err = {0};
     search told;
-    assert_ok(search_begin(&told, s->strategy->name, NULL, &err), err);
+    must(search_begin(&told, s->strategy->name, NULL, ERR));
     for (uint32_t i = 0; i < s->history.n; ++i)
-        assert_ok(search_tell(&told, &s->history.samples[i], &err), err);
+        must(search_tell(&told, &s->history.samples[i], ERR));
     told.history.script = s->history.script;
     search_end(s);
     *s = told;
@@ -341,10 +332,10 @@ static uint32_t run_with_stops(const char *name, const simulated_pair *model, bo
     search s;
     duet_error err = {0};
     rng r = rng_seed(seed);
-    assert_ok(any_strategy_begin(&s, name, &err), err);
+    must(any_strategy_begin(&s, name, ERR));
     for (search_next next; search_ask(&s, &next, &err) && !next.done;) {
         search_sample sample = simulated_launch(model, next.at.share, &r);
-        assert_ok(search_tell(&s, &sample, &err), err);
+        must(search_tell(&s, &sample, ERR));
         if (stops)
             begin_again(&s);
     }

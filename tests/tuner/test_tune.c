@@ -4,7 +4,6 @@
 
 #include "base/budget.h"
 #include "support/simulated_pair.h"
-#include "tuner/race.h"
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
 
@@ -133,8 +132,7 @@ static duet_tune_outcome tune_problem_fake(const tune_problem *problem)
 {
     duet_tune_outcome outcome;
     trial_log state = {0};
-    duet_error err = {0};
-    assert_ok(tune_run(problem, &state, &outcome, &err), err);
+    must(tune_run(problem, &state, &outcome, ERR));
     trial_log_free(&state);
     return outcome;
 }
@@ -449,10 +447,8 @@ TEST(a_default_that_finds_wrong_pairs_ends_the_tuning)
     strcpy(problem.plan.variant_b, "wrong");
     trial_log kept = {0};
     duet_tune_outcome outcome;
-    duet_error err = {0};
-    assert_false(tune_run(&problem, &kept, &outcome, &err));
-    assert_int_equal(err.status, DUET_STATUS_WRONG_RESULT);
-    assert_non_null(strstr(err.text, "result hash 0000000000000001"));
+    must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_WRONG_RESULT,
+              "result hash 0000000000000001");
     assert_int_equal(f.launches, 1);
     trial_log_free(&kept);
 }
@@ -466,10 +462,8 @@ TEST(nothing_that_builds_is_said_with_its_reason)
     tune_problem problem = fake_task(&f, &def);
     trial_log kept = {0};
     duet_tune_outcome outcome;
-    duet_error err = {0};
-    assert_false(tune_run(&problem, &kept, &outcome, &err));
-    assert_int_equal(err.status, DUET_STATUS_BUILD_FAILED);
-    assert_non_null(strstr(err.text, "broken does not build"));
+    must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_BUILD_FAILED,
+              "broken does not build");
     trial_log_free(&kept);
 }
 
@@ -505,7 +499,7 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
             text json = {0};
             trial_log_to_json(&kept, &json);
             trial_log_free(&kept);
-            assert_ok(trial_log_from_json(&kept, text_chars(&json), &err), err);
+            must(trial_log_from_json(&kept, text_chars(&json), ERR));
             text_free(&json);
             assert_true(++stops < 500);
         }
@@ -550,11 +544,9 @@ TEST(seconds_that_cannot_do_are_refused_after_the_first_trial)
     tune_problem problem = fake_task(&f, &def);
     trial_log kept = {0};
     duet_tune_outcome outcome;
-    duet_error err = {0};
     def.budget_seconds = 1e-3;
-    assert_false(tune_run(&problem, &kept, &outcome, &err));
-    assert_int_equal(err.status, DUET_STATUS_BAD_ARGUMENT);
-    assert_non_null(strstr(err.text, "a budget of 0.001 s ends before a verdict"));
+    must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "a budget of 0.001 s ends before a verdict");
     assert_int_equal(kept.n, 1);
     trial_log_free(&kept);
 }
@@ -699,8 +691,7 @@ TEST(a_start_from_a_neighbour_saves_trials)
     problem.start = SEARCH_ONE / 10;
     trial_log kept = {0};
     duet_tune_outcome outcome;
-    duet_error err = {0};
-    assert_ok(tune_run(&problem, &kept, &outcome, &err), err);
+    must(tune_run(&problem, &kept, &outcome, ERR));
     assert_int_equal(kept.entries[1].plan.share, problem.start);
     trial_log_free(&kept);
 }
@@ -712,12 +703,11 @@ TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
     tune_problem problem = fake_task(&f, &def);
     trial_log kept = {0};
     duet_tune_outcome outcome;
-    duet_error err = {0};
-    assert_ok(tune_run(&problem, &kept, &outcome, &err), err);
+    must(tune_run(&problem, &kept, &outcome, ERR));
     kept.entries[2].plan.share += 5;
     uint32_t known = kept.entries[0].launches + kept.entries[1].launches;
     uint32_t before = f.launches;
-    assert_ok(tune_run(&problem, &kept, &outcome, &err), err);
+    must(tune_run(&problem, &kept, &outcome, ERR));
     assert_int_equal(f.launches - before, outcome.launches - known);
     trial_log_free(&kept);
 }
@@ -771,9 +761,8 @@ TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
     def.wait_seconds = 0.25;
     tune_problem problem = fake_task(&f, &def);
     trial_log log = {0};
-    duet_error err = {0};
     duet_tune_outcome outcome;
-    assert_ok(tune_run(&problem, &log, &outcome, &err), err);
+    must(tune_run(&problem, &log, &outcome, ERR));
     assert_true(tune_gave_up(&outcome));
     assert_string_equal(outcome.verdict, "ambiguous");
     assert_string_equal(outcome.unused, "other programs had 1.0 of 2 cores");
@@ -782,7 +771,7 @@ TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
     for (uint32_t i = 0; i < kept; ++i)
         assert_true(log.entries[i].plan.share == 0 || log.entries[i].plan.share == DUET_SHARE_ONE);
     f.looks = 0;
-    assert_ok(tune_run(&problem, &log, &outcome, &err), err);
+    must(tune_run(&problem, &log, &outcome, ERR));
     assert_string_equal(outcome.verdict, "faster");
     assert_true(log.n > kept);
     trial_log_free(&log);

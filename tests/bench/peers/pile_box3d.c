@@ -5,30 +5,75 @@
 #include <box3d/box3d.h>
 #include <string.h>
 
+enum { PI_TIMES_1E6 = 3141593 };
+
 typedef struct world {
     b3WorldId id;
     float friction;
+    b3BodyId *bodies;
 } world;
 
-static b3BodyId add(const world *w, const pile_box *box, b3BodyType type)
+// m3
+static float volume(const pile_body *b)
+{
+    const float *h = b->half, pi = 1e-6f * PI_TIMES_1E6, r = b->radius;
+    if (r == 0)
+        return 8 * h[0] * h[1] * h[2];
+    return pi * r * r * (4.0f / 3 * r + 2 * (h[0] + h[1] + h[2]));
+}
+
+static void add_shape(b3BodyId id, const b3ShapeDef *def, const pile_body *b)
+{
+    const float *h = b->half;
+    bool ball = h[0] + h[1] + h[2] == 0;
+    if (b->radius == 0) {
+        b3BoxHull hull = b3MakeBoxHull(h[0], h[1], h[2]);
+        b3CreateHullShape(id, def, &hull.base);
+    } else if (ball) {
+        b3CreateSphereShape(id, def, &(b3Sphere){{0, 0, 0}, b->radius});
+    } else {
+        b3CreateCapsuleShape(id, def,
+                             &(b3Capsule){{-h[0], -h[1], -h[2]}, {h[0], h[1], h[2]}, b->radius});
+    }
+}
+
+static b3BodyId add(const world *w, const pile_body *b)
 {
     b3BodyDef body = b3DefaultBodyDef();
     b3ShapeDef shape = b3DefaultShapeDef();
-    b3BoxHull hull = b3MakeBoxHull(box->half[0], box->half[1], box->half[2]);
-    body.type = type;
-    body.position = (b3Pos){box->centre[0], box->centre[1], box->centre[2]};
-    memcpy(&body.rotation, box->rotation, sizeof box->rotation);
-    shape.density = 1 / (8 * box->half[0] * box->half[1] * box->half[2]);
+    body.type = b->mass > 0 ? b3_dynamicBody : b3_staticBody;
+    body.position = (b3Pos){b->centre[0], b->centre[1], b->centre[2]};
+    body.linearVelocity = (b3Vec3){b->velocity[0], b->velocity[1], b->velocity[2]};
+    memcpy(&body.rotation, b->rotation, sizeof b->rotation);
+    shape.density = b->mass / volume(b);
     shape.baseMaterial.friction = w->friction;
     shape.baseMaterial.restitution = 0;
     b3BodyId id = b3CreateBody(w->id, &body);
-    b3CreateHullShape(id, &shape, &hull.base);
+    add_shape(id, &shape, b);
     return id;
 }
 
-static void add_wall(void *w, const pile_box *box)
+static void add_wall(void *w, const pile_body *wall)
 {
-    add(w, box, b3_staticBody);
+    add(w, wall);
+}
+
+static void step(void *w, const pile *p)
+{
+    b3World_Step(((world *)w)->id, p->dt, (int)p->substeps);
+}
+
+static void read(void *w, pile *p)
+{
+    for (unsigned i = 0; i < p->n; ++i) {
+        b3BodyId id = ((world *)w)->bodies[i];
+        b3Pos at = b3Body_GetPosition(id);
+        b3Quat q = b3Body_GetRotation(id);
+        p->bodies[i].centre[0] = (float)at.x;
+        p->bodies[i].centre[1] = (float)at.y;
+        p->bodies[i].centre[2] = (float)at.z;
+        memcpy(p->bodies[i].rotation, &q, sizeof q);
+    }
 }
 
 int main(int argc, char **argv)
@@ -37,31 +82,20 @@ int main(int argc, char **argv)
     b3WorldDef def = b3DefaultWorldDef();
     def.gravity = (b3Vec3){0, 0, p.gravity};
     def.workerCount = 1;
-    world w = {b3CreateWorld(&def), p.friction};
-    b3BodyId *ids = malloc(p.n * sizeof *ids);
+    def.enableSleep = p.sleep;
+    world w = {b3CreateWorld(&def), p.friction, malloc(p.n * sizeof *w.bodies)};
     pile_each_wall(&p, add_wall, &w);
     for (unsigned i = 0; i < p.n; ++i)
-        ids[i] = add(&w, p.boxes + i, b3_dynamicBody);
+        w.bodies[i] = add(&w, p.bodies + i);
 
-    pile_begin(&p);
-    for (unsigned step = 0; step < p.steps; ++step)
-        b3World_Step(w.id, p.dt, (int)p.substeps);
-    double ended = pile_clock();
+    pile_run(&p, step, read, &w);
 
-    for (unsigned i = 0; i < p.n; ++i) {
-        b3Pos at = b3Body_GetPosition(ids[i]);
-        b3Quat q = b3Body_GetRotation(ids[i]);
-        p.boxes[i].centre[0] = (float)at.x;
-        p.boxes[i].centre[1] = (float)at.y;
-        p.boxes[i].centre[2] = (float)at.z;
-        memcpy(p.boxes[i].rotation, &q, sizeof q);
-    }
     b3Version v = b3GetVersion();
     char name[64];
     snprintf(name, sizeof name, "Box3D %d.%d.%d", v.major, v.minor, v.revision);
-    pile_end(&p, ended, name, (unsigned)b3World_GetAwakeBodyCount(w.id));
+    pile_end(&p, name, (unsigned)b3World_GetAwakeBodyCount(w.id));
     b3DestroyWorld(w.id);
-    free(ids);
-    free(p.boxes);
+    free(w.bodies);
+    free(p.bodies);
     return 0;
 }

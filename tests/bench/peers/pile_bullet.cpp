@@ -9,30 +9,65 @@ namespace
 {
 struct World {
     btDiscreteDynamicsWorld *dynamics;
-    float friction;
+    const pile *p;
+    std::vector<btRigidBody *> bodies;
 };
 
-btRigidBody *add(World *w, const pile_box *box, bool moves)
+btCollisionShape *shape_of(const pile_body *b)
 {
-    const float *c = box->centre, *h = box->half, *q = box->rotation;
-    auto *shape = new btBoxShape(btVector3(h[0], h[1], h[2]));
-    btScalar mass = moves ? 1 : 0;
+    const float *h = b->half;
+    if (b->radius == 0)
+        return new btBoxShape(btVector3(h[0], h[1], h[2]));
+    if (h[0] > 0)
+        return new btCapsuleShapeX(b->radius, 2 * h[0]);
+    if (h[1] > 0)
+        return new btCapsuleShape(b->radius, 2 * h[1]);
+    if (h[2] > 0)
+        return new btCapsuleShapeZ(b->radius, 2 * h[2]);
+    return new btSphereShape(b->radius);
+}
+
+btRigidBody *add(World *w, const pile_body *b)
+{
+    const float *c = b->centre, *q = b->rotation, *v = b->velocity;
+    btCollisionShape *shape = shape_of(b);
     btVector3 inertia(0, 0, 0);
-    if (moves)
-        shape->calculateLocalInertia(mass, inertia);
-    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
+    if (b->mass > 0)
+        shape->calculateLocalInertia(b->mass, inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(b->mass, nullptr, shape, inertia);
     info.m_startWorldTransform =
         btTransform(btQuaternion(q[0], q[1], q[2], q[3]).normalized(), btVector3(c[0], c[1], c[2]));
-    info.m_friction = btSqrt(w->friction); // Bullet multiplies the two
+    info.m_friction = btSqrt(w->p->friction); // Bullet multiplies the two
     info.m_restitution = 0;
     auto *body = new btRigidBody(info);
+    if (b->mass > 0)
+        body->setLinearVelocity(btVector3(v[0], v[1], v[2]));
+    if (!w->p->sleep)
+        body->setActivationState(DISABLE_DEACTIVATION);
     w->dynamics->addRigidBody(body);
     return body;
 }
 
-void add_wall(void *w, const pile_box *box)
+void add_wall(void *w, const pile_body *wall)
 {
-    add(static_cast<World *>(w), box, false);
+    add(static_cast<World *>(w), wall);
+}
+
+void step(void *w, const pile *p)
+{
+    static_cast<World *>(w)->dynamics->stepSimulation(p->dt, 0, p->dt);
+}
+
+void read(void *w, pile *p)
+{
+    for (unsigned i = 0; i < p->n; ++i) {
+        const btTransform &at = static_cast<World *>(w)->bodies[i]->getWorldTransform();
+        btQuaternion q = at.getRotation();
+        for (int k = 0; k < 3; ++k)
+            p->bodies[i].centre[k] = static_cast<float>(at.getOrigin()[k]);
+        for (int k = 0; k < 4; ++k)
+            p->bodies[i].rotation[k] = static_cast<float>(q[k]);
+    }
 }
 } // namespace
 
@@ -45,30 +80,19 @@ int main(int argc, char **argv)
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld dynamics(&dispatcher, &broad_phase, &solver, &configuration);
     dynamics.setGravity(btVector3(0, 0, p.gravity));
-    World w = {&dynamics, p.friction};
-    std::vector<btRigidBody *> bodies(p.n);
+    World w = {&dynamics, &p, {}};
     pile_each_wall(&p, add_wall, &w);
     for (unsigned i = 0; i < p.n; ++i)
-        bodies[i] = add(&w, p.boxes + i, true);
+        w.bodies.push_back(add(&w, p.bodies + i));
 
-    pile_begin(&p);
-    for (unsigned step = 0; step < p.steps; ++step)
-        dynamics.stepSimulation(p.dt, 0, p.dt);
-    double ended = pile_clock();
+    pile_run(&p, step, read, &w);
 
     unsigned awake = 0;
-    for (unsigned i = 0; i < p.n; ++i) {
-        const btTransform &at = bodies[i]->getWorldTransform();
-        btQuaternion q = at.getRotation();
-        for (int k = 0; k < 3; ++k)
-            p.boxes[i].centre[k] = static_cast<float>(at.getOrigin()[k]);
-        for (int k = 0; k < 4; ++k)
-            p.boxes[i].rotation[k] = static_cast<float>(q[k]);
-        awake += bodies[i]->isActive();
-    }
+    for (unsigned i = 0; i < p.n; ++i)
+        awake += p.bodies[i].mass > 0 && w.bodies[i]->isActive();
     char name[64];
     snprintf(name, sizeof name, "Bullet %d.%02d", btGetVersion() / 100, btGetVersion() % 100);
-    pile_end(&p, ended, name, awake);
+    pile_end(&p, name, awake);
     fflush(nullptr);
     _Exit(0);
 }

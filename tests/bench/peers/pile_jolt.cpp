@@ -7,6 +7,9 @@
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyCreationSettings.h>
 #include <Jolt/Physics/Collision/Shape/BoxShape.h>
+#include <Jolt/Physics/Collision/Shape/CapsuleShape.h>
+#include <Jolt/Physics/Collision/Shape/RotatedTranslatedShape.h>
+#include <Jolt/Physics/Collision/Shape/SphereShape.h>
 #include <Jolt/Physics/PhysicsSystem.h>
 #include <Jolt/RegisterTypes.h>
 
@@ -46,32 +49,70 @@ struct Meets final : JPH::ObjectLayerPairFilter {
 
 struct World {
     JPH::PhysicsSystem *system;
-    float friction;
+    const pile *p;
+    JPH::TempAllocator *memory;
+    JPH::JobSystem *jobs;
+    std::vector<JPH::BodyID> ids;
 };
 
-JPH::BodyID add(World *w, const pile_box *box, JPH::EMotionType type)
+JPH::Ref<JPH::Shape> shape_of(const pile_body *b)
 {
     using namespace JPH;
-    const float *c = box->centre, *h = box->half, *q = box->rotation;
-    float least = std::min({h[0], h[1], h[2]});
-    Ref<Shape> shape =
-        new BoxShape(Vec3(h[0], h[1], h[2]), std::min(cDefaultConvexRadius, 0.5f * least));
-    bool moves = type == EMotionType::Dynamic;
-    BodyCreationSettings body(shape, RVec3(c[0], c[1], c[2]),
-                              Quat(q[0], q[1], q[2], q[3]).Normalized(), type,
-                              moves ? moving : still);
-    body.mFriction = w->friction;
+    const float *h = b->half;
+    if (b->radius == 0) {
+        float least = std::min({h[0], h[1], h[2]});
+        return new BoxShape(Vec3(h[0], h[1], h[2]), std::min(cDefaultConvexRadius, 0.5f * least));
+    }
+    float length = h[0] + h[1] + h[2];
+    if (length == 0)
+        return new SphereShape(b->radius);
+    Quat along =
+        Quat::sFromTo(Vec3::sAxisY(), Vec3(h[0], h[1], h[2]) / length); // Jolt's lie along y
+    return new RotatedTranslatedShape(Vec3::sZero(), along, new CapsuleShape(length, b->radius));
+}
+
+JPH::BodyID add(World *w, const pile_body *b)
+{
+    using namespace JPH;
+    const float *c = b->centre, *q = b->rotation, *v = b->velocity;
+    bool moves = b->mass > 0;
+    BodyCreationSettings body(
+        shape_of(b), RVec3(c[0], c[1], c[2]), Quat(q[0], q[1], q[2], q[3]).Normalized(),
+        moves ? EMotionType::Dynamic : EMotionType::Static, moves ? moving : still);
+    body.mFriction = w->p->friction;
     body.mRestitution = 0;
     body.mLinearDamping = body.mAngularDamping = 0;
+    body.mLinearVelocity = Vec3(v[0], v[1], v[2]);
+    body.mAllowSleeping = w->p->sleep;
     body.mOverrideMassProperties = EOverrideMassProperties::CalculateInertia;
-    body.mMassPropertiesOverride.mMass = 1;
+    body.mMassPropertiesOverride.mMass = moves ? b->mass : 1;
     return w->system->GetBodyInterface().CreateAndAddBody(body, moves ? EActivation::Activate
                                                                       : EActivation::DontActivate);
 }
 
-void add_wall(void *w, const pile_box *box)
+void add_wall(void *w, const pile_body *wall)
 {
-    add(static_cast<World *>(w), box, JPH::EMotionType::Static);
+    add(static_cast<World *>(w), wall);
+}
+
+void step(void *world, const pile *p)
+{
+    auto *w = static_cast<World *>(world);
+    pile_need(w->system->Update(p->dt, 1, w->memory, w->jobs) == JPH::EPhysicsUpdateError::None,
+              "a step of Jolt failed");
+}
+
+void read(void *world, pile *p)
+{
+    auto *w = static_cast<World *>(world);
+    for (unsigned i = 0; i < p->n; ++i) {
+        JPH::RVec3 at = w->system->GetBodyInterface().GetCenterOfMassPosition(w->ids[i]);
+        JPH::Quat q = w->system->GetBodyInterface().GetRotation(w->ids[i]);
+        for (unsigned k = 0; k < 3; ++k)
+            p->bodies[i].centre[k] = static_cast<float>(at[k]);
+        for (unsigned k = 0; k < 4; ++k)
+            p->bodies[i].rotation[k] = q.GetXYZW()[k];
+    }
 }
 } // namespace
 
@@ -90,31 +131,18 @@ int main(int argc, char **argv)
     PhysicsSystem system;
     system.Init(p.n + 64, 0, 16 * p.n + 4096, 12 * p.n + 4096, layers, meets_layer, meets);
     system.SetGravity(Vec3(0, 0, p.gravity));
-    World w = {&system, p.friction};
-    std::vector<BodyID> ids(p.n);
+    World w = {&system, &p, &memory, &jobs, {}};
     pile_each_wall(&p, add_wall, &w);
     for (unsigned i = 0; i < p.n; ++i)
-        ids[i] = add(&w, p.boxes + i, EMotionType::Dynamic);
+        w.ids.push_back(add(&w, p.bodies + i));
     system.OptimizeBroadPhase();
 
-    pile_begin(&p);
-    for (unsigned step = 0; step < p.steps; ++step)
-        pile_need(system.Update(p.dt, 1, &memory, &jobs) == EPhysicsUpdateError::None,
-                  "a step of Jolt failed");
-    double ended = pile_clock();
+    pile_run(&p, step, read, &w);
 
-    for (unsigned i = 0; i < p.n; ++i) {
-        RVec3 at = system.GetBodyInterface().GetCenterOfMassPosition(ids[i]);
-        Quat q = system.GetBodyInterface().GetRotation(ids[i]);
-        for (unsigned k = 0; k < 3; ++k)
-            p.boxes[i].centre[k] = static_cast<float>(at[k]);
-        for (unsigned k = 0; k < 4; ++k)
-            p.boxes[i].rotation[k] = q.GetXYZW()[k];
-    }
     char name[64];
     snprintf(name, sizeof name, "Jolt %d.%d.%d", JPH_VERSION_MAJOR, JPH_VERSION_MINOR,
              JPH_VERSION_PATCH);
-    pile_end(&p, ended, name, system.GetNumActiveBodies(EBodyType::RigidBody));
+    pile_end(&p, name, system.GetNumActiveBodies(EBodyType::RigidBody));
     fflush(nullptr);
     _Exit(0);
 }

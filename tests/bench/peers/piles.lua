@@ -3,8 +3,8 @@
 --
 --     duet lua --trust tests/bench/peers/piles.lua DIR N STEPS ROUNDS
 --
--- DIR holds pile_box3d and its like (CMakeLists.txt beside this file). Prints for each engine
--- the processor time of a step in ms, the median of ROUNDS; how many boxes are awake after the last;
+-- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built
+-- are left out. Prints for each engine the processor time of a step in ms, the median of ROUNDS; how many boxes are awake after the last;
 -- and then, in m, how deep the deepest two boxes are in each other, and a box in the floor.
 -- One judge of all: the separation of two boxes along the best of 15 axes, in double.
 local duet = require "duet"
@@ -17,25 +17,17 @@ local dt, substeps, gravity = 1 / 60, 4, -9.81
 local scene = assert(duet.scene("falling", { n = n, restitution = 0, sleep_speed = 0.05 })) -- m/s, as in Box3D
 local device = assert(duet.device_pair { a = "cpu", b = "cpu" })
 local lower, upper = scene.lower, scene.upper
-local pile, states = os.tmpname(), os.tmpname()
+local engines = dofile(arg[0]:match "^(.-)[^/]*$" .. "engines.lua")
+local pile = os.tmpname()
 
 local function write_pile()
-  local file, poses = assert(io.open(pile, "w")), scene:poses()
-  file:write(("%d %d %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n"):format(n, substeps, dt, gravity, 0.5,
-    lower[1], lower[2], lower[3], upper[1], upper[2], upper[3]))
-  for i = 0, n - 1 do file:write((("%.9g "):rep(10) .. "\n"):format(poses:get(i))) end
-  assert(file:close())
-end
-
-local function read_states()
-  local poses, i = duet.poses(n), 0
-  for line in io.lines(states) do
-    local row = {}
-    for word in line:gmatch "%S+" do row[#row + 1] = tonumber(word) end
-    poses:set(i, table.unpack(row))
-    i = i + 1
+  local bodies, poses = {}, scene:poses()
+  for i = 0, n - 1 do
+    local x, y, z, hx, hy, hz, qx, qy, qz, qw = poses:get(i)
+    bodies[i + 1] = { centre = { x, y, z }, half_extents = { hx, hy, hz }, rotation = { qx, qy, qz, qw }, mass = 1 }
   end
-  return poses
+  engines.write(pile, bodies,
+    { dt = dt, substeps = substeps, gravity = gravity, friction = 0.5, sleep = true, lower = lower, upper = upper })
 end
 
 -- ms a step, boxes awake, poses
@@ -55,10 +47,10 @@ local function run_duet()
 end
 
 local function run_other(program)
-  local out <close> = assert(io.popen(("%s/%s %s %s %d"):format(dir, program, pile, states, steps)))
-  local name, ms, awake = (out:read "l" or ""):match "^(.*)\t(.*)\t(.*)$"
-  if not name then error(program .. " told no time", 0) end
-  return tonumber(ms), tonumber(awake), read_states(), name
+  local name, ms, awake, frames = engines.run(program, pile, n, steps, steps)
+  local poses = duet.poses(n)
+  for i, row in ipairs(frames[#frames]) do poses:set(i - 1, table.unpack(row)) end
+  return ms, awake, poses, name
 end
 
 local function deepest(poses)
@@ -80,14 +72,12 @@ do -- kernels are built before the clock runs
   local motion <close> = assert(device:motion(scene, { dt = dt, substeps = substeps }))
   assert(motion:advance())
 end
-local engines = {
-  { name = "Duet " .. duet.version, run = run_duet },
-  { run = function() return run_other "pile_box3d" end },
-  { run = function() return run_other "pile_jolt" end },
-  { run = function() return run_other "pile_bullet" end },
-}
+local runs = { { name = "Duet " .. duet.version, run = run_duet } }
+for _, program in ipairs(engines.built(dir)) do
+  runs[#runs + 1] = { run = function() return run_other(program) end }
+end
 for _ = 1, rounds do
-  for _, engine in ipairs(engines) do
+  for _, engine in ipairs(runs) do
     local ms, awake, poses, name = engine.run()
     engine.times = engine.times or {}
     table.insert(engine.times, ms)
@@ -96,10 +86,9 @@ for _ = 1, rounds do
 end
 print(("%d boxes, %d steps, median of %d rounds"):format(n, steps, rounds))
 print(("%-14s %10s %8s %9s %9s"):format("", "ms a step", "awake", "deepest", "in floor"))
-for _, engine in ipairs(engines) do
+for _, engine in ipairs(runs) do
   table.sort(engine.times)
   print(("%-14s %10.2f %8d %9.4f %9.4f"):format(engine.name, engine.times[(rounds + 1) // 2], engine.awake,
     deepest(engine.poses)))
 end
 os.remove(pile)
-os.remove(states)

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// What is done with the first objects while the caller writes others behind them: they are sent,
+// and a device classifies them for a host that has to look at all others.
+#include "runtime/broadphase/world.h"
+
+#include <string.h>
+
+static bool is_prefetched(const part *p)
+{
+    return view_is_prefetched(&p->objects, p->objects.generation);
+}
+
+static bool prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step,
+                     duet_error *err)
+{
+    const selection first = {.kind = SELECT_RANGES, .n_ranges = 1, .ranges = {{0, objects->n}}};
+    part_begin(p, step);
+    view_forget(&p->objects);
+    return buffer_reserve(&p->objects.own, p->device, bytes, err) &&
+           view_update(&p->objects, &p->times, objects, &first, part_chunk_size(p, objects->n),
+                       err);
+}
+
+// A device that is sent all objects, into memory of its own. The step may use other kernels, of
+// another grid; here they only set the chunk size.
+static bool can_prefetch(const duet_world *world, int side)
+{
+    uint32_t share = world->def.plan.share;
+    return world_is_prepared(world, side) && world->def.plan.mode == DUET_MODE_OWN &&
+           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
+           (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
+}
+
+void world_prefetch(duet_world *world, uint32_t n)
+{
+    host_array first = world->objects.all;
+    first.n = n;
+    const uint64_t step = world->def.stage_times ? 0 : world->steps;
+    for (int side = 0; side < 2 && n > 0 && !world->resident.mem; ++side) {
+        part *p = &world->parts[side];
+        if (can_prefetch(world, side) &&
+            !prefetch(p, &first, world->objects_block.size, step, NULL))
+            part_invalidate(p);
+    }
+}
+
+void world_cancel_prefetch(duet_world *world)
+{
+    for (int side = 0; side < 2; ++side)
+        if (is_prefetched(&world->parts[side]))
+            part_invalidate(&world->parts[side]);
+}
+
+// ---------------------------------------------------------------- classified
+
+// The kernel does not know origin cells, sizes that lie apart, and radii. It is built when it is
+// first asked for.
+static bool has_kernel(part *p, const duet_world_def *def, duet_error *err)
+{
+    const bool knows = (def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_BOUNDS) &&
+                       def->origin_edge == 0.0f && !def->separate_sizes;
+    return knows && (p->kernels.skim || part_prepare_skim(p, err));
+}
+
+// The blocks of a chunk travel while the next one is on its way.
+static bool skim_chunk(part *p, uint32_t from, uint32_t i, duet_error *err)
+{
+    const view_chunk *c = &p->objects.chunks[i];
+    size_t at = from / SKIM_ROWS, end = ((size_t)c->to + SKIM_ROWS - 1) / SKIM_ROWS;
+    p->args.skim_from = from;
+    p->args.n = c->to;
+    bool ok =
+        timeline_launch_after(&p->times, "skim", p->kernels.skim, c->to - from, c->sent, p, err) &&
+        timeline_start_read(&p->times, "fetch skim", &p->skimmed.blocks, at * sizeof(skim_block),
+                            (skim_block *)p->skimmed.seen.bytes + at,
+                            (end - at) * sizeof(skim_block), err);
+    p->skimmed.done[i] = timeline_last_event(&p->times);
+    return ok;
+}
+
+static bool skim(part *p, const duet_world_def *def, const float inside_lower[3],
+                 const float inside_upper[3], duet_error *err)
+{
+    const device_view *v = &p->objects;
+    if (!view_is_prefetched(v, v->generation) || !has_kernel(p, def, err))
+        return false;
+    uint32_t n = v->chunks[v->n_chunks - 1].to, from = 0;
+    size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
+    bool ok = buffer_reserve(&p->skimmed.blocks, p->device, bytes, err) &&
+              host_block_reserve(&p->skimmed.seen, p->device, 1, bytes, err);
+    p->args = (part_args){.objects = v->own};
+    memcpy(&p->args.inside_lower, inside_lower, 3 * sizeof *inside_lower);
+    memcpy(&p->args.inside_upper, inside_upper, 3 * sizeof *inside_upper);
+    for (uint32_t i = 0; ok && i < v->n_chunks; from = v->chunks[i++].to)
+        ok = skim_chunk(p, from, i, err);
+    return ok;
+}
+
+static uint32_t await_skim(part *p, uint32_t from, const skim_block **blocks)
+{
+    uint32_t i = 0;
+    while (i + 1 < p->objects.n_chunks && p->objects.chunks[i].to <= from)
+        ++i;
+    timeline_spin(&p->times, p->skimmed.done[i]);
+    *blocks = p->skimmed.seen.bytes;
+    return p->objects.chunks[i].to;
+}
+
+// B, which has most of the work, unless A alone has prefetched objects.
+static part *skimmer(duet_world *world)
+{
+    return &world->parts[is_prefetched(&world->parts[1])];
+}
+
+bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
+{
+    part *p = skimmer(world);
+    const device_view *v = &p->objects;
+    return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->objects.all.n &&
+           skim(p, &world->def, inside_lower, inside_upper, NULL);
+}
+
+uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
+{
+    return await_skim(skimmer(world), from, blocks);
+}

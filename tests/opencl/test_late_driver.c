@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// A driver's thread that lets go of a command long after the command was over, as it does where a
+// busy machine runs it late: PoCL's uses queue and device once more behind the end it tells of.
+#define _GNU_SOURCE
+#include "support/test.h"
+
+#include "runtime/opencl/buffer.h"
+#include "runtime/opencl/device_list.h"
+#include "runtime/opencl/timeline.h"
+
+#include <dlfcn.h>
+#include <malloc.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { LATE_US = 700000, MOMENT_US = 20000 };
+
+static atomic_bool is_late;
+static atomic_int n_late; // threads of the driver that wait
+
+// The driver tells of an end by it.
+__attribute__((visibility("default"))) int pthread_cond_broadcast(pthread_cond_t *condition)
+{
+    int (*real)(pthread_cond_t *);
+    *(void **)&real = dlsym(RTLD_NEXT, "pthread_cond_broadcast");
+    int code = real(condition);
+    if (gettid() == getpid() || !atomic_load(&is_late))
+        return code;
+    atomic_fetch_add(&n_late, 1);
+    usleep(LATE_US);
+    atomic_fetch_sub(&n_late, 1);
+    return code;
+}
+
+static void open_part(device *d)
+{
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    char selector[96];
+    device_list_roots(&roots, &n, NULL);
+    for (uint32_t i = 0; i < n; ++i)
+        if (roots[i].info.can_cut) {
+            snprintf(selector, sizeof selector, "%s[0-0]", roots[i].info.selector);
+            must(device_open(d, selector, ERR));
+            return;
+        }
+    print_message("no CPU here can be cut into parts\n");
+    skip();
+}
+
+static void fill(device *d, buffer *b)
+{
+    timeline times = {0};
+    timeline_begin(&times, d, false); // an event of ours would be waited for
+    must(timeline_fill(&times, "fill", b, 7, 0, 100, ERR));
+    must(timeline_finish(&times, ERR));
+    timeline_clear(&times);
+}
+
+TEST(a_device_closes_before_its_driver_lets_go_of_a_command)
+{
+    device d;
+    buffer b = {0};
+    open_part(&d);
+    must(buffer_reserve(&b, &d, 4096, ERR));
+    fill(&d, &b);
+    mallopt(M_PERTURB, 0x5a); // what is freed is no longer what it was
+    atomic_store(&is_late, true);
+    fill(&d, &b);
+    buffer_release(&b);
+    device_close(&d);
+    atomic_store(&is_late, false);
+    do
+        usleep(MOMENT_US);
+    while (atomic_load(&n_late) > 0);
+    usleep(MOMENT_US);
+    assert_int_equal(device_live_objects(), 0);
+}
+
+TEST_MAIN(NULL, NULL)
