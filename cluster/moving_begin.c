@@ -12,31 +12,14 @@
 // Bodies that rank 0 makes at one time.
 enum { CHUNK = 1 << 18 };
 
-// ---------------------------------------------------------------- what is supported
-
-static const uint32_t unsupported = DUET_EFFECT_DEPENETRATION;
-
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
-    uint32_t effects = motion->effects, refused = effects & unsupported;
-    if ((effects & DUET_EFFECT_CONTACT) && !(effects & DUET_EFFECT_CONTACT_RESPONSE))
-        refused |= DUET_EFFECT_CONTACT;
-    for (uint32_t bit = 1; bit < DUET_EFFECT_ALL; bit <<= 1)
-        if (refused & bit)
-            return error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: the effect %s is not for several domains yet; expected no "
-                             "depenetration, and no contact without response",
-                             scene, duet_effect_name(bit));
-    return true;
-}
-
-static bool check_scene(const duet_scene_info *info, duet_error *own)
-{
-    return info->origin_edge == 0.0f ||
+    const uint32_t contact = DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE;
+    return (motion->effects & contact) != DUET_EFFECT_CONTACT ||
            error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: origin cells are not for several domains yet; expected an origin in "
-                     "numbers, or none",
-                     info->name);
+                     "%s: contact without response is not for several domains yet; expected "
+                     "contact_response in wants",
+                     scene);
 }
 
 // ---------------------------------------------------------------- the whole, on rank 0
@@ -56,23 +39,29 @@ static duet_motion *know_objects(const duet_scene *scene, duet_device_pair *pair
 static duet_motion *know_scene(const moving_start *start, duet_error *own)
 {
     duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
-    const duet_scene_info *info = scene ? duet_scene_get_info(scene) : NULL;
-    duet_motion *known = NULL;
-    if (scene && check_scene(info, own))
-        known = know_objects(scene, start->pair, own);
+    duet_motion *known = scene ? know_objects(scene, start->pair, own) : NULL;
     if (known)
-        check_effects(known, info->name, own);
+        check_effects(known, duet_scene_get_info(scene)->name, own);
     duet_scene_destroy(scene);
     return known;
 }
 
-// Goes on from a file: then the motion has a device, too, and the contacts of the last step.
-static void resume(duet_motion *known, const moving_start *start, duet_error *own)
+// Whether rank 0 has all bodies on a device before they are divided: those of a file, in origin
+// cells, or to be taken apart.
+static bool begins_on_device(const duet_motion_def *def, const moving_start *start)
+{
+    return start->resume || def->origin_edge > 0.0f || (def->wants & DUET_EFFECT_DEPENETRATION);
+}
+
+// One domain alone takes its bodies apart in its first step.
+static void open_known(duet_motion *known, const moving_start *start, bool is_alone,
+                       duet_error *own)
 {
     if (start->plan)
         known->def.plan = *start->plan;
-    if (motion_open(known, own))
-        moving_load(known, start->resume, own);
+    if (motion_open(known, own) && (!start->resume || moving_load(known, start->resume, own)) &&
+        !is_alone)
+        domain_begin_apart(known, own);
 }
 
 // ---------------------------------------------------------------- the whole, on all ranks
@@ -84,6 +73,7 @@ typedef struct moving_whole {
     bool has_heights;
     effect_facts facts;
     double extent;
+    cl_int4 base; // the origin cell that others are counted from
     uint32_t n_all;
     uint64_t step;
 } moving_whole;
@@ -98,6 +88,8 @@ static moving_whole whole_of(const duet_motion *known)
                       .step = known->step};
     if (w.has_heights)
         w.heights = *known->def.heights;
+    if (known->cells)
+        w.base = known->cells[0];
     return w;
 }
 
@@ -126,9 +118,20 @@ static void take_whole(moving *m, const moving_whole *w, const moving_start *sta
     m->def.heights = w->has_heights ? &w->heights : NULL;
     m->facts = w->facts;
     m->extent = w->extent;
+    m->base = w->base;
     m->n_all = w->n_all;
     m->counts.bodies = w->n_all;
     m->counts.step = w->step;
+}
+
+duet_motion *moving_create(const moving *m, duet_error *own)
+{
+    duet_motion *motion = domain_create(&m->def, &m->facts, m->extent, own);
+    if (motion)
+        motion->step = m->counts.step;
+    if (motion && motion->cells)
+        motion->cells[0] = m->base;
+    return motion;
 }
 
 // One rank of a host builds kernels, and the others wait.
@@ -140,9 +143,7 @@ static void open_domains(moving *m, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         m->domains[k].number = (uint32_t)m->ranks->self * m->parts + k;
-        m->domains[k].motion = domain_create(&m->def, &m->facts, m->extent, own);
-        if (m->domains[k].motion)
-            m->domains[k].motion->step = m->counts.step;
+        m->domains[k].motion = moving_create(m, own);
     }
     ranks_end_turn(m->ranks);
 }
@@ -231,8 +232,15 @@ static bool begin_bodies(moving *m, const duet_motion *known, duet_error *own)
     return ok;
 }
 
-// All bodies of a file are the first domain's own until they migrate.
-static bool resume_bodies(moving *m, duet_motion *known, item_list *contacts, duet_error *own)
+// Before the first step nothing touched.
+static void forget_told(const moving *m, const item_list *contacts)
+{
+    for (uint64_t i = 0; m->counts.step == 0 && i < contacts->n; ++i)
+        moving_contact_at(m, contacts, i)->told = 0;
+}
+
+// All bodies are the first domain's own until they migrate.
+static bool deal_bodies(moving *m, duet_motion *known, item_list *contacts, duet_error *own)
 {
     moving_domain all = {.motion = known, .number = m->domains[0].number};
     if (known)
@@ -242,6 +250,9 @@ static bool resume_bodies(moving *m, duet_motion *known, item_list *contacts, du
     all.bodies = m->domains[0].bodies;
     if (ok && known && moving_pushes(m))
         moving_read_contacts(m, &all, contacts, own);
+    forget_told(m, contacts);
+    for (uint32_t k = 0; k < m->parts; ++k)
+        forget_told(m, &m->domains[k].contacts);
     return ok;
 }
 
@@ -250,10 +261,10 @@ static bool resume_bodies(moving *m, duet_motion *known, item_list *contacts, du
 static bool fill(moving *m, duet_motion *known, const moving_start *start, duet_error *own)
 {
     item_list contacts = {0};
-    bool ok =
-        open_all(m, known, start, own) &&
-        (start->resume ? resume_bodies(m, known, &contacts, own) : begin_bodies(m, known, own)) &&
-        moving_exchange(m, &contacts, own);
+    bool ok = open_all(m, known, start, own) &&
+              (begins_on_device(&m->def, start) ? deal_bodies(m, known, &contacts, own)
+                                                : begin_bodies(m, known, own)) &&
+              moving_exchange(m, &contacts, own);
     free(contacts.items);
     return ok;
 }
@@ -266,8 +277,8 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "a motion over ranks: no memory");
     if (is_well(own) && r->self == 0)
         known = know_scene(start, own);
-    if (is_well(own) && known && start->resume)
-        resume(known, start, own);
+    if (is_well(own) && known && begins_on_device(&known->def, start))
+        open_known(known, start, start->parts == 1 && r->n == 1, own);
     bool ok = ranks_agree(r, is_well(own), own);
     if (ok) {
         m->ranks = r;

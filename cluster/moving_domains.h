@@ -65,6 +65,7 @@ struct moving {
     double extent;
     uint32_t parts; // domains of each rank
     uint32_t n_domains, n_all;
+    cl_int4 base; // the origin cell that all count from
     size_t body_bytes, contact_bytes;
     bisection cuts;
     moving_domain *domains; // [parts]
@@ -144,6 +145,9 @@ static inline bool moving_pushes(const moving *m)
 {
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
 }
+
+// Makes a motion without bodies, as a part of all of them.
+duet_motion *moving_create(const moving *m, duet_error *own);
 
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);

@@ -58,13 +58,12 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
                      duet_error *own)
 {
     moving_domain whole = {
-        .motion = domain_create(&m->def, &m->facts, m->extent, own),
+        .motion = moving_create(m, own),
         .bodies = {.items = bodies->rows, .n = bodies->n},
         .contacts = {.items = contacts->rows, .n = contacts->n},
     };
     if (!whole.motion)
         return;
-    whole.motion->step = m->counts.step;
     moving_replace(m, &whole, own);
     if (is_well(own) && domain_make_bounds(whole.motion, own) && domain_lay_rows(whole.motion, own))
         duet_motion_save(whole.motion, path, own);

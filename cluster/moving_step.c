@@ -403,24 +403,18 @@ bool moving_hash(moving *m, uint64_t *hash, duet_error *own)
     return ok;
 }
 
-// Three reals of a state, from the first on.
-static void read_reals(const moving *m, const moving_body *b, int first, double at[3])
+void moving_centre(const moving *m, const moving_body *b, double at[3])
 {
-    const void *state = b + 1;
-    for (int k = 0; k < 3; ++k)
-        at[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[first + k]
-                                                  : (double)((const float *)state)[first + k];
+    domain_centre(m->domains[0].motion, (const char *)(b + 1), at);
 }
 
 // A state begins with the centre and the velocity, each a vector of four.
-void moving_centre(const moving *m, const moving_body *b, double at[3])
-{
-    read_reals(m, b, 0, at);
-}
-
 void moving_velocity(const moving *m, const moving_body *b, double velocity[3])
 {
-    read_reals(m, b, 4, velocity);
+    const void *state = b + 1;
+    for (int k = 0; k < 3; ++k)
+        velocity[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[4 + k]
+                                                        : (double)((const float *)state)[4 + k];
 }
 
 uint32_t moving_domain_of(const moving *m, const moving_body *b)

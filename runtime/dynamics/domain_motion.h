@@ -32,6 +32,9 @@ bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body
 // Bytes of a body's state: what a step changes of it.
 size_t domain_state_bytes(const duet_motion *m);
 
+// Finds where a state's centre is.
+void domain_centre(const duet_motion *m, const char *state, double at[3]);
+
 // Reads the states of all bodies, [n][domain_state_bytes], and the bounds that the next step has,
 // [n][6]: those before it, while bodies are within them and they are not forgotten.
 bool domain_read_states(duet_motion *m, char *states, duet_error *err);
@@ -67,9 +70,9 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err);
 
-// Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if the
-// last step had made them: then two motions of the same bodies and contacts are saved as the same
-// bytes.
+// Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if
+// the last step had made them: then two motions of the same bodies and contacts are saved as the
+// same bytes.
 bool domain_make_bounds(duet_motion *m, duet_error *err);
 bool domain_lay_rows(duet_motion *m, duet_error *err);
 
@@ -77,6 +80,9 @@ bool domain_lay_rows(duet_motion *m, duet_error *err);
 bool domain_forget_commands(duet_motion *m);
 
 // ---------------------------------------------------------------- a step's stages
+
+// Before the first step of all bodies, takes those apart that begin deep in each other.
+bool domain_begin_apart(duet_motion *m, duet_error *err);
 
 // In free flight a step is one stage.
 bool domain_fly(duet_motion *m, duet_error *err);
@@ -96,8 +102,8 @@ bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
-// A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts relaxed.
-// After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
+// A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts
+// relaxed. After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
 bool domain_integrate_velocities(duet_motion *m, duet_error *err);
 bool domain_solve_colours(duet_motion *m, uint32_t from, uint32_t to, bool soft, duet_error *err);
 bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
@@ -120,8 +126,8 @@ bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
 
-// Whether all bodies are within the bounds that pairs were searched by, so that the next step searches
-// none.
+// Whether all bodies are within the bounds that pairs were searched by, so that the next step
+// searches none.
 bool domain_is_bounded(const duet_motion *m);
 
 #endif

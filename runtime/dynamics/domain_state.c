@@ -12,7 +12,7 @@ static const char stage[] = "domain";
 // ---------------------------------------------------------------- states
 
 static const motion_buffer kept[] = {CENTRES, VELOCITIES, ROTATIONS, ANGULAR_VELOCITIES,
-                                     RESTS,   ASLEEP};
+                                     RESTS,   ASLEEP,     CELLS};
 
 enum { N_KEPT = sizeof kept / sizeof kept[0] };
 
@@ -29,12 +29,31 @@ size_t domain_state_bytes(const duet_motion *m)
     return bytes;
 }
 
-size_t domain_rest_at(const duet_motion *m)
+static size_t byte_of(const duet_motion *m, motion_buffer which)
 {
     size_t at = 0;
-    for (int i = 0; kept[i] != RESTS; ++i)
+    for (int i = 0; kept[i] != which; ++i)
         at += row_bytes(m, kept[i]);
     return at;
+}
+
+size_t domain_rest_at(const duet_motion *m)
+{
+    return byte_of(m, RESTS);
+}
+
+// An offset, in origin cells.
+void domain_centre(const duet_motion *m, const char *state, double at[3])
+{
+    cl_int cell[4] = {0};
+    memcpy(cell, state + byte_of(m, CELLS), row_bytes(m, CELLS));
+    for (int k = 0; k < 3; ++k) {
+        float offset;
+        double exact;
+        memcpy(&offset, state + (size_t)k * sizeof offset, sizeof offset);
+        memcpy(&exact, state + (size_t)k * sizeof exact, sizeof exact);
+        at[k] = (m->def.doubles ? exact : (double)offset) + cell[k] * (double)m->def.origin_edge;
+    }
 }
 
 static char *rows_of_all(const duet_motion *m, motion_buffer which, duet_error *err)
@@ -164,6 +183,19 @@ static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error 
 
 // ---------------------------------------------------------------- bodies
 
+// Given cells are all the one that others are counted from, which is that of all domains.
+static bool take_cells(duet_motion *m, uint32_t n)
+{
+    if (!m->cells)
+        return true;
+    const cl_int4 base = m->cells[0];
+    cl_int4 *more = realloc(m->cells, ((size_t)n + 1) * sizeof *more);
+    m->cells = more ? more : m->cells;
+    for (uint32_t i = 0; more && i <= n; ++i)
+        more[i] = base;
+    return more;
+}
+
 static bool take_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies, uint32_t n,
                         duet_error *err)
 {
@@ -172,7 +204,7 @@ static bool take_bodies(duet_motion *m, const duet_pose *poses, const duet_body 
     m->poses = more_poses ? more_poses : m->poses;
     duet_body *more_bodies = realloc(m->bodies, space * sizeof *bodies);
     m->bodies = more_bodies ? more_bodies : m->bodies;
-    if (!more_poses || !more_bodies)
+    if (!more_poses || !more_bodies || !take_cells(m, n))
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
     memcpy(m->poses, poses, n * sizeof *poses);
     memcpy(m->bodies, bodies, n * sizeof *bodies);

@@ -351,6 +351,16 @@ bool domain_fly(duet_motion *m, duet_error *err)
            (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
 }
 
+bool domain_begin_apart(duet_motion *m, duet_error *err)
+{
+    if (m->n == 0 || m->step > 0 || !(m->effects & DUET_EFFECT_DEPENETRATION))
+        return true;
+    timeline_begin_step(&m->times, m->device, m->step);
+    set_args(m);
+    return motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) && begin_apart(m, err) &&
+           timeline_finish(&m->times, err);
+}
+
 // All bodies are gone over: what wakes one may be in another domain.
 bool domain_begin_step(duet_motion *m, duet_error *err)
 {

@@ -21,6 +21,7 @@
 
 #define SHOCKS "cluster_motion_shocks.lua"
 #define EVENTS "cluster_motion_events.lua"
+#define FAR "cluster_motion_far.lua"
 #define APART "cluster_motion_apart.lua"
 #define GIANT "cluster_motion_giant.lua"
 
@@ -153,6 +154,13 @@ static uint64_t expected_hash(const moving_scene *s)
 
 // ---------------------------------------------------------------- ranks
 
+static void add_told(outcome *o, uint64_t step, const duet_cluster_motion_result *result)
+{
+    add_events(o, step, result->events, result->n_events);
+    add_stays(o, step, result->stays, result->n_stays);
+    add_hits(o, step, result->hits, result->n_hits);
+}
+
 static outcome sum_of_ranks(const outcome *own, MPI_Comm comm)
 {
     outcome all;
@@ -206,9 +214,7 @@ static void must_move_to(const moving_scene *s, const outcome *expected, int n_r
             save_and_resume(cluster, s);
         MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
         most_colours = result.colours > most_colours ? result.colours : most_colours;
-        add_events(&own, i, result.events, result.n_events);
-        add_stays(&own, i, result.stays, result.n_stays);
-        add_hits(&own, i, result.hits, result.n_hits);
+        add_told(&own, i, &result);
     }
     MUST_OK(duet_cluster_get_state_hash(cluster, &own.hash, &err), err);
     snprintf(what, sizeof what, "%s on %d ranks of %u", s->path, n_ranks, parts);
@@ -286,10 +292,8 @@ static void a_giant_on_small_ones_has_one_motions_bits(void)
 
 // Boxes fall through a sensor onto a floor, a sensor that stands in a box, and bodies of one group
 // that is told of; a fast sensor passes them all.
-static void events_are_one_motions(void)
+static void write_events_scene(void)
 {
-    static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 2}, {5, 1}};
-    const moving_scene s = {EVENTS, {{0}}, 0, 90, 1, 45};
     write_scene(EVENTS,
                 "for i = 0, 47 do\n"
                 "  local x, y = i % 8, i // 8\n"
@@ -310,6 +314,13 @@ static void events_are_one_motions(void)
                 "  wants = { 'contact_response', 'events', 'sleep' }, event_mask = 3,\n"
                 "  body = { friction = 0.5, restitution = 0.4 },\n"
                 "}\n");
+}
+
+static void events_are_one_motions(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 2}, {5, 1}};
+    const moving_scene s = {EVENTS, {{0}}, 0, 90, 1, 45};
+    write_events_scene();
     outcome o = must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
     MUST(o.events > 200 && o.stays > 1000 && o.hits > 50, "much is told");
     remove_file(EVENTS);
@@ -335,18 +346,60 @@ static void shocks_have_one_motions_bits(void)
     remove_file(SHOCKS);
 }
 
+// ---------------------------------------------------------------- beginnings
+
+// Bodies that begin in each other are taken apart before they are divided.
+static void bodies_are_taken_apart_as_in_one_motion(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 3}, {3, 1}};
+    const moving_scene s = {APART, {{0}}, 0, 24, 1, 10};
+    write_scene(APART, "for i = 0, 39 do\n"
+                       "  add { centre = { 0.7 * (i % 8), 0.8 * (i // 8), 0.5 + 0.1 * (i % 3) },\n"
+                       "        half_extents = { 0.5, 0.45, 0.4 } }\n"
+                       "end\n"
+                       "return {\n"
+                       "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+                       "  world = { lower = { -2, -2, 0 }, upper = { 12, 8, 20 } },\n"
+                       "  wants = { 'contact_response', 'depenetration', 'events', 'sleep' },\n"
+                       "  body = { friction = 0.5 },\n"
+                       "}\n");
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    remove_file(APART);
+}
+
+// A pile and what flies on, 10 000 km from 0, over the edges of cells.
+static void origin_cells_have_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {5, 1}};
+    const moving_scene s = {FAR, {{0}}, 0, 50, 1, 20};
+    write_scene(
+        FAR,
+        "local x0, y0 = 1e7, -2e7\n"
+        "for i = 0, 47 do\n"
+        "  add { centre = { x0 + 1.1 * (i % 6), y0 + 1.1 * (i // 6 % 4), 1 + 1.2 * (i // 24) },\n"
+        "        half_extents = { 0.5, 0.45, 0.4 }, velocity = { 0.2 * (i % 3), 1, 0 } }\n"
+        "end\n"
+        "add { centre = { x0 + 3, y0 + 2, -1 }, half_extents = { 8, 8, 1 }, mass = 0 }\n"
+        "add { centre = { x0 + 3, y0 - 20, 5 }, half_extents = { 0.3, 0.3, 0.3 },\n"
+        "      velocity = { 40, 30, 10 } }\n"
+        "return {\n"
+        "  dims = 3, gravity = { 0, 0, -9.81 }, origin = 'cell', origin_edge = 4,\n"
+        "  body = { friction = 0.5, restitution = 0.3 }, hit_speed = 0.3,\n"
+        "  wants = { 'contact_response', 'sleep', 'events' },\n"
+        "}\n");
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    remove_file(FAR);
+}
+
 // ---------------------------------------------------------------- other borders
 
-// Borders are cut at random, between most steps, so that bodies, with their contacts and their
-// sleep, change domains all the time.
-static void borders_change_nothing(uint64_t seed)
+// Between steps the borders are cut at random, so that bodies, with their contacts, their sleep and
+// what is told of them, change domains all the time.
+static void move_with_any_borders(const moving_scene *s, const outcome *expected, uint64_t seed,
+                                  MPI_Comm comm)
 {
-    const moving_scene s = {"falling", {{"n", "90"}}, 1, 60, 0, 0};
-    uint64_t expected = expected_hash(&s), hash = 0;
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
     rng r = rng_seed(seed); // the same on all ranks
+    outcome own = {0};
     duet_error err = {0};
     duet_cluster_motion_result result;
     duet_cluster_def def = duet_default_cluster_def();
@@ -354,19 +407,33 @@ static void borders_change_nothing(uint64_t seed)
     def.parts = 2;
     duet_cluster *cluster = duet_cluster_create(&def, &err);
     MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s.path, s.settings, 1, NULL, &err), err);
-    for (uint32_t i = 0; i < s.steps; ++i) {
+    MUST_OK(duet_cluster_begin_motion(cluster, s->path, NULL, 0, NULL, &err), err);
+    for (uint32_t i = 0; i < s->steps; ++i) {
         for (uint32_t k = 1; k < cluster->moving->cuts.n; ++k)
             cluster->moving->cuts.planes[k] =
                 (bisection_plane){rng_between(&r, 0, 6), rng_below(&r, 3)};
-        if (rng_below(&r, 3) > 0)
+        for (uint32_t times = rng_below(&r, 3); times > 0; --times)
             MUST_OK(moving_settle(cluster->moving, &err), err);
         MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+        add_told(&own, i, &result);
     }
-    MUST_OK(duet_cluster_get_state_hash(cluster, &hash, &err), err);
-    MUST(hash == expected, "other borders give other bits");
+    MUST_OK(duet_cluster_get_state_hash(cluster, &own.hash, &err), err);
+    MUST(own.hash == expected->hash, "other borders give other bits");
+    must_tell_alike(&own, expected, comm, "other borders tell of others");
     duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
+}
+
+static void borders_change_nothing(uint64_t seed)
+{
+    const moving_scene s = {EVENTS, {{0}}, 0, 90, 0, 0};
+    write_events_scene();
+    outcome expected = expected_outcome(&s);
+    MPI_Comm comm = group_of(3);
+    if (comm != MPI_COMM_NULL) {
+        move_with_any_borders(&s, &expected, seed, comm);
+        MPI_Comm_free(&comm);
+    }
+    remove_file(EVENTS);
 }
 
 static uint32_t most_own(const moving *m, MPI_Comm comm)
@@ -482,8 +549,8 @@ static void what_ranks_lack_is_refused(void)
 {
     write_scene(APART,
                 "add { centre = { 0, 0, 0 }, half_extents = { 1, 1, 1 }, velocity = { 1, 0, 0 } }\n"
-                "return { dims = 3, wants = { 'depenetration' } }\n");
-    must_refuse(APART, NULL, 0, "the effect depenetration is not for several domains yet");
+                "return { dims = 3, wants = { 'events' } }\n");
+    must_refuse(APART, NULL, 0, "contact without response is not for several domains yet");
     remove_file(APART);
     must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
 }
@@ -585,6 +652,8 @@ int main(int argc, char **argv)
     a_giant_on_small_ones_has_one_motions_bits();
     events_are_one_motions();
     shocks_have_one_motions_bits();
+    bodies_are_taken_apart_as_in_one_motion();
+    origin_cells_have_one_motions_bits();
     other_effects_have_one_motions_bits();
     if (rank == 0)
         printf("all facts hold on 1, 2, 3, 4, 5 and 8 ranks\n");

@@ -22,12 +22,12 @@
 #include <unistd.h>
 
 #define SCENE "falling -n 150"
-#define STEPS 40
+#define STEPS 30
 #define SAVED "cluster.motion"
 #define SAYS "cluster.says"
 #define KEPT " --every 3 --checkpoint " SAVED " --resume " SAVED
 
-enum { KILLS = 3, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
+enum { KILLS = 2, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
 
 // A job that has not ended by then hangs; a quiet machine is to see its end sooner.
 enum { HANGS_S = 60, SOON_S = 5 };
