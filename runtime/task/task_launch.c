@@ -100,7 +100,7 @@ static void merge_results(task_launcher *l)
     }
 }
 
-static bool check_results(task_launcher *l, duet_error *err)
+bool task_launch_check(task_launcher *l, duet_error *err)
 {
     bool ok = true;
     for (uint32_t i = 0; ok && i < l->task->n_args; ++i)
@@ -212,11 +212,16 @@ bool task_launch_unchecked(task_launcher *l, const duet_plan *plan, task_result 
            run(l, share_of(l, plan), result, err);
 }
 
-bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
+void task_launch_reset(task_launcher *l)
 {
     reset_results(l);
     spoil_results(l);
-    return task_launch_unchecked(l, plan, result, err) && check_results(l, err);
+}
+
+bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
+{
+    task_launch_reset(l);
+    return task_launch_unchecked(l, plan, result, err) && task_launch_check(l, err);
 }
 
 bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet_error *err)
@@ -224,11 +229,10 @@ bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet
     task_result result;
     bool ok = true;
     for (uint32_t i = 0; ok && i < n; ++i) {
-        reset_results(l);
-        spoil_results(l);
+        task_launch_reset(l);
         ok = budget_check(err) && task_launch_unchecked(l, plan, &result, err);
     }
-    return ok && check_results(l, err);
+    return ok && task_launch_check(l, err);
 }
 
 bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_space **spaces,

@@ -32,6 +32,10 @@ void task_launcher_close(task_launcher *l); // NULL does nothing
 // says before each launch; what that takes does not count. WRONG_RESULT as task_check.
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err);
 
+// What task_launch does before and behind the launch.
+void task_launch_reset(task_launcher *l);
+bool task_launch_check(task_launcher *l, duet_error *err);
+
 // The same with arrays as they are, and unchecked. An array that is read and written goes on from
 // what the last launch left.
 bool task_launch_unchecked(task_launcher *l, const duet_plan *plan, task_result *result,
