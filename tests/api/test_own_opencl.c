@@ -782,10 +782,9 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
                    {NULL, foreign, "count is of another context"},
                    {NULL, tiny, "count has 4 bytes; expected at least 8"},
                    {small, unwritten, "count cannot be written by devices"}};
-    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; ++i) {
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; ++i)
         must_fail(duet_world_leave_pairs(world, 0, outputs[i].pairs, outputs[i].count, ERR),
                   DUET_STATUS_BAD_ARGUMENT, outputs[i].says);
-    }
     must_fail(duet_world_leave_pairs(world, 2, NULL, NULL, ERR), DUET_STATUS_BAD_ARGUMENT,
               "device is 2; expected 0 for A, 1 for B");
     must_fail(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, unwritten, 2, 1, &event, ERR),

@@ -106,9 +106,8 @@ TEST(what_cannot_be_read_is_said_in_one_line)
          "no GPU of the device pair counts its energy"},
     };
     test_write_file(FILE_NAME, "much\n");
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         must_fail(energy_meter_open(&cases[i].def, ERR), DUET_STATUS_NOT_FOUND, cases[i].says);
-    }
 }
 
 TEST_MAIN(NULL, NULL)

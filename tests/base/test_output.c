@@ -204,8 +204,8 @@ TEST(a_full_device_fails_and_stays)
     assert_refused(full, "No space left");
     assert_true(S_ISCHR(mode_of(full)));
     store_close(test_store_open("p.db", STORE_WRITE));
-    program p = program_run("profiles export %s --profile p.db", full);
-    program_assert_refused(&p, 1, "cannot be written: No space left");
+    program_assert_refused(program_run("profiles export %s --profile p.db", full), 1,
+                           "cannot be written: No space left");
     assert_true(S_ISCHR(mode_of(full)));
 }
 
@@ -219,10 +219,10 @@ TEST(stdout_is_written_to_whatever_it_is)
     static const char *const names[] = {"/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"};
     for (int way = 0; way < 2; ++way)
         for (int i = 0; i < 3; ++i) {
-            program p = program_run("--version %s; \"$DUET_PROGRAM\" profiles export %s "
-                                    "--profile p.db %s",
-                                    ways[way], names[i], ways[way]);
-            assert_int_equal(p.exit_code, 0);
+            program p =
+                program_done(program_run("--version %s; \"$DUET_PROGRAM\" profiles export %s "
+                                         "--profile p.db %s",
+                                         ways[way], names[i], ways[way]));
             assert_string_equal(p.err, "");
             assert_int_equal(strncmp(p.out, "duet ", 5), 0);
             assert_non_null(strstr(p.out, "\n{\"type\":\"store\""));
@@ -342,8 +342,8 @@ TEST(the_program_says_that_a_file_became_too_large)
     store_close(s);
     test_write_file("rows", "old");
     int names = test_count_files();
-    program p = program_run_with("ulimit -f 2;", "profiles export rows --profile p.db");
-    program_assert_refused(&p, 1, "rows: cannot be written: File too large");
+    program_assert_refused(program_run_with("ulimit -f 2;", "profiles export rows --profile p.db"),
+                           1, "rows: cannot be written: File too large");
     assert_content("rows", "old");
     assert_int_equal(test_count_files(), names);
 }

@@ -199,13 +199,11 @@ TEST(a_profile_is_shown_without_what_was_smuggled_in)
     for (size_t i = 0; i < sizeof hostile / sizeof hostile[0]; ++i) {
         test_folder folder = test_folder_make();
         make_hostile(folder.store, hostile[i]);
-        program p = program_run("profiles show '' --profile %s --json", folder.store);
-        assert_int_equal(p.exit_code, 0);
+        program p = program_done(program_run("profiles show '' --profile %s --json", folder.store));
         assert_json("show", p.out);
         assert_fit("show", p.out);
         assert_null(strstr(p.out, "evil"));
-        p = program_run("profiles show '' --profile %s", folder.store);
-        assert_int_equal(p.exit_code, 0);
+        p = program_done(program_run("profiles show '' --profile %s", folder.store));
         assert_fit("show", p.out);
     }
 }
@@ -215,8 +213,7 @@ TEST(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it)
     for (size_t i = 0; i < sizeof hostile / sizeof hostile[0]; ++i) {
         test_folder folder = test_folder_make();
         make_hostile(folder.store, hostile[i]);
-        program p = program_run("report --profile %s -o %s/page.html", folder.store, folder.path);
-        assert_int_equal(p.exit_code, 0);
+        program_done(program_run("report --profile %s -o %s/page.html", folder.store, folder.path));
         char path[96];
         snprintf(path, sizeof path, "%s/page.html", folder.path);
         text page = test_read_file(path);

@@ -75,9 +75,8 @@ static void assert_row_is_what_its_level_promises(const cJSON *row, double truth
 
 TEST(each_levels_cost_is_told_for_each_device)
 {
-    program p = program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
-    if (p.exit_code != 0)
-        fail_msg("accuracy: %s", p.err);
+    program p = program_done(
+        program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE));
     cJSON *o = json_of(p.out);
     const cJSON *levels = cJSON_GetObjectItemCaseSensitive(o, "levels");
     assert_int_equal(cJSON_GetArraySize(levels), (devices_are_two() ? 2 : 1) * DUET_LEVELS);
@@ -93,8 +92,7 @@ TEST(each_levels_cost_is_told_for_each_device)
 
 TEST(an_only_device_is_measured_once)
 {
-    program p = program_run("accuracy --repeat 1 --pair cpu " SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("accuracy --repeat 1 --pair cpu " SCENE));
     const char *first = strstr(p.out, "certified");
     assert_non_null(first);
     assert_null(strstr(first + 1, "certified"));
@@ -128,8 +126,8 @@ TEST(a_difference_from_sat15_is_noise_or_not)
 TEST(the_table_and_the_plot_name_every_level)
 {
     static const char *const files[] = {TABLE, PLOT};
-    program p = program_run("accuracy --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program p =
+        program_done(program_run("accuracy --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE));
     for (int l = 0; l < DUET_LEVELS; ++l)
         assert_non_null(strstr(p.out, duet_level_get_info((duet_level)l)->name));
     for (int f = 0; f < 2; ++f) {
@@ -150,9 +148,7 @@ TEST(a_plot_of_another_kind_is_refused)
 
 static cJSON *measure(const char *arguments)
 {
-    program p = program_run("accuracy --json %s", arguments);
-    if (p.exit_code != 0)
-        fail_msg("accuracy %s: %s", arguments, p.err);
+    program p = program_done(program_run("accuracy --json %s", arguments));
     return json_of(p.out);
 }
 
@@ -214,8 +210,7 @@ TEST(contacts_compare_dt_and_substeps)
 
 TEST(a_limit_ends_it_after_a_run)
 {
-    program p = program_run("accuracy --limit 0 --time 0.1 " STACK);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("accuracy --limit 0 --time 0.1 " STACK));
     assert_non_null(strstr(p.out, "15 dearer ones were not begun"));
 }
 

@@ -27,12 +27,10 @@ static void assert_file_holds(const char *path, const char *chars)
 static void assert_run_refused(int exit_code, const char *arguments, const char *says)
 {
     test_write_file(OUT, "before");
-    program p = program_run("run %s --pairs " OUT, arguments);
-    program_assert_refused(&p, exit_code, says);
+    program_assert_refused(program_run("run %s --pairs " OUT, arguments), exit_code, says);
     assert_file_holds(OUT, "before");
     remove(OUT);
-    p = program_run("run %s --json --pairs " OUT, arguments);
-    program_assert_refused(&p, exit_code, says);
+    program_assert_refused(program_run("run %s --json --pairs " OUT, arguments), exit_code, says);
     assert_null(fopen(OUT, "rb"));
 }
 
@@ -77,10 +75,8 @@ TEST(what_is_no_text_is_refused_at_once)
         {"profiles import /dev/zero", "/dev/zero"},
     };
     skip_without_device("/dev/zero");
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program p = program_run("%s", wrong[i].command);
-        program_assert_refused(&p, 1, wrong[i].says);
-    }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        program_assert_refused(program_run("%s", wrong[i].command), 1, wrong[i].says);
 }
 
 TEST(a_line_that_is_too_long_is_refused)
@@ -130,8 +126,7 @@ TEST(an_output_that_would_replace_what_is_read_is_refused)
     test_write_file("in.csv", "no scene");
     assert_int_equal(symlink("in.csv", "link.csv"), 0);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program p = program_run("%s", wrong[i].arguments);
-        program_assert_refused(&p, 2, wrong[i].says);
+        program_assert_refused(program_run("%s", wrong[i].arguments), 2, wrong[i].says);
         assert_file_holds("in.csv", "no scene");
         assert_int_not_equal(access("out", F_OK), 0);
     }
@@ -149,8 +144,8 @@ TEST(none_and_one_and_two_objects_are_no_error)
     static const char *const rows[] = {"", "0,0,0,1,1,1\n", "0,0,0,1,1,1\n1,1,1,2,2,2\n"};
     for (int n = 0; n <= 2; ++n) {
         test_write_file("test_bad_input.csv", rows[n]);
-        program p = program_run("run test_bad_input.csv --repeat 1 --json --pairs " OUT);
-        assert_int_equal(p.exit_code, 0);
+        program p =
+            program_done(program_run("run test_bad_input.csv --repeat 1 --json --pairs " OUT));
         assert_string_equal(p.err,
                             n == 0 ? "duet: note: test_bad_input: there are no objects\n" : "");
         cJSON *report = json_of(p.out);
@@ -194,7 +189,7 @@ TEST(a_kernel_that_does_not_compile_is_named)
         program p = program_run_with("DUET_KERNEL_DIR=test_bad_input.kernels",
                                      "run test_bad_input.csv --pairs " OUT);
         drop_compiler_count(&p);
-        program_assert_refused(&p, 1, wrong[i].says);
+        program_assert_refused(p, 1, wrong[i].says);
         assert_file_holds(OUT, "before");
         remove(OUT);
     }
@@ -203,8 +198,9 @@ TEST(a_kernel_that_does_not_compile_is_named)
 TEST(a_missing_folder_of_kernels_is_named)
 {
     test_write_file("test_bad_input.csv", "0,0,1,1\n");
-    program p = program_run_with("DUET_KERNEL_DIR=no/such/folder", "run test_bad_input.csv");
-    program_assert_refused(&p, 1, "no/such/folder: No such file or directory");
+    program_assert_refused(
+        program_run_with("DUET_KERNEL_DIR=no/such/folder", "run test_bad_input.csv"), 1,
+        "no/such/folder: No such file or directory");
 }
 
 TEST_MAIN(NULL, NULL)

@@ -27,9 +27,7 @@ static cJSON *read_json(const char *path)
 static int measure(void **state)
 {
     (void)state;
-    program p = program_run(BENCH "--repeat 7 -o " OUT);
-    if (p.exit_code != 0)
-        fail_msg("%s", p.err);
+    program_done(program_run(BENCH "--repeat 7 -o " OUT));
     return 0;
 }
 
@@ -100,8 +98,7 @@ TEST(what_other_programs_may_be_to_blame_for_is_ambiguous)
 
 TEST(an_only_device_has_no_share)
 {
-    program p = program_run("bench --quick --scene paper2d --repeat 1 --pair cpu");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("bench --quick --scene paper2d --repeat 1 --pair cpu"));
     assert_non_null(strstr(p.out, "kernels"));
     assert_null(strstr(p.out, "share"));
     assert_null(strstr(p.out, "A ms"));
@@ -112,9 +109,7 @@ TEST(the_whole_set_costs_levels_and_effects)
     cJSON *o = read_json(OUT);
     const cJSON *levels = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "accuracy")->child, "levels");
     assert_true(cJSON_GetArraySize(levels) >= (devices_are_two() ? 2 : 1) * 5);
-    program p = program_run("bench --quick --scene falling --json");
-    if (p.exit_code != 0)
-        fail_msg("%s", p.err);
+    program p = program_done(program_run("bench --quick --scene falling --json"));
     o = json_of(p.out);
     const cJSON *effects = cJSON_GetObjectItem(cJSON_GetObjectItem(o, "effects")->child, "effects");
     const cJSON *one;
@@ -130,8 +125,7 @@ TEST(the_whole_set_costs_levels_and_effects)
 TEST(text_says_what_it_was_compared_with)
 {
     write_old(1e6, 0);
-    program p = program_run(BENCH "--repeat 7 --against " OLD);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run(BENCH "--repeat 7 --against " OLD));
     const char *const says[] = {"paper, 3 000 objects, 3D", "sort=radix",
                                 devices_are_two() ? "slab" : "kernels", "before",
                                 "faster, 0 same, 0 slower, 0 ambiguous"};
@@ -174,12 +168,11 @@ TEST(what_is_no_result_is_refused_in_one_line)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         test_write_file(OLD, bad[i][0]);
         program p = program_run(BENCH "--against " OLD);
-        program_assert_refused(&p, 1, bad[i][1]);
+        program_assert_refused(p, 1, bad[i][1]);
     }
-    program p = program_run("bench --scene abacus");
-    program_assert_refused(&p, 2, "--scene 'abacus': the set has paper,");
-    p = program_run(BENCH "--against no/such.json");
-    program_assert_refused(&p, 1, "no/such.json");
+    program_assert_refused(program_run("bench --scene abacus"), 2,
+                           "--scene 'abacus': the set has paper,");
+    program_assert_refused(program_run(BENCH "--against no/such.json"), 1, "no/such.json");
 }
 
 TEST_MAIN(measure, NULL)

@@ -25,9 +25,7 @@ enum { KILLS = 8 };
 
 static void get_hash(const char *arguments, char hash[32], double *steps)
 {
-    program p = program_run("%s", arguments);
-    if (p.exit_code != 0)
-        fail_msg("%s: %s", arguments, p.err);
+    program p = program_done(program_run("%s", arguments));
     const cJSON *o = json_of_program(&p);
     snprintf(hash, 32, "%s", json_string(o, "hash"));
     *steps = json_number(o, "steps");
@@ -106,10 +104,9 @@ TEST(checkpoints_that_cannot_be_used_are_refused)
     char hash[32];
     double steps;
     get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
-        program p = program_run("%s --json", lines[i].arguments);
-        program_assert_refused(&p, lines[i].status, lines[i].says);
-    }
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i)
+        program_assert_refused(program_run("%s --json", lines[i].arguments), lines[i].status,
+                               lines[i].says);
 }
 
 TEST(a_checkpoint_that_is_cut_short_is_refused)
@@ -122,8 +119,7 @@ TEST(a_checkpoint_that_is_cut_short_is_refused)
     for (int i = 0; i < 3; ++i) {
         size_t length = 16 + rng_below(&r, (uint32_t)file.length - 16);
         must(text_write_file("cut.motion", file.chars, length, ERR));
-        program p = program_run(RUN " --resume cut.motion");
-        program_assert_refused(&p, 1, "cut short or damaged");
+        program_assert_refused(program_run(RUN " --resume cut.motion"), 1, "cut short or damaged");
     }
     text_free(&file);
 }

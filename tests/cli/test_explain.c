@@ -13,9 +13,7 @@
 // The lines about device B, which does all the work.
 static cJSON *explain(const char *arguments)
 {
-    program p = program_run("explain %s --share 0 --json", arguments);
-    if (p.exit_code != 0)
-        fail_msg("%s", p.err);
+    program p = program_done(program_run("explain %s --share 0 --json", arguments));
     cJSON *o = json_of(p.out);
     cJSON *search = cJSON_GetObjectItemCaseSensitive(o, "search");
     assert_int_equal(cJSON_GetArraySize(search), 1);
@@ -131,8 +129,8 @@ TEST(bounds_that_overlap_are_the_answer)
 
 TEST(a_still_scene_is_told_as_text)
 {
-    program p = program_run("explain %s -n 500 --share 0 --variant simd", scene("paper.lua"));
-    assert_int_equal(p.exit_code, 0);
+    program p =
+        program_done(program_run("explain %s -n 500 --share 0 --variant simd", scene("paper.lua")));
     assert_non_null(strstr(p.out, "ROTATED=1"));
     assert_non_null(strstr(p.out, "\nruns "));
     assert_non_null(strstr(p.out, "\nleft out  "));
@@ -141,8 +139,7 @@ TEST(a_still_scene_is_told_as_text)
 
 TEST(a_scene_that_moves_is_told_by_its_effects)
 {
-    program p = program_run("explain %s -n 50", scene("falling.lua"));
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("explain %s -n 50", scene("falling.lua")));
     assert_non_null(strstr(p.out, "gravity"));
     assert_null(strstr(p.out, "pair_search_simd"));
     assert_non_null(strstr(p.out, "\n4 substeps a step, chosen: nothing stands"));
@@ -151,18 +148,17 @@ TEST(a_scene_that_moves_is_told_by_its_effects)
                     "{ .5, .5, .5 } } end\n"
                     "return { dims = 3, gravity = { 0, 0, -9.81 }, "
                     "wants = { 'contact_response' } }\n");
-    p = program_run("explain stack.lua");
-    assert_int_equal(p.exit_code, 0);
+    p = program_done(program_run("explain stack.lua"));
     assert_non_null(
         strstr(p.out, "\n6 substeps a step, chosen: they hold the column of 50 bodies"));
 }
 
 TEST(what_is_wrong_with_a_plan_is_one_line)
 {
-    program p = program_run("explain %s -n 50 --variant abacus", scene("paper.lua"));
-    program_assert_refused(&p, 2, "variant 'abacus': expected auto, simd, gpu or paper");
-    p = program_run("explain %s -n 50 --level best", scene("paper.lua"));
-    program_assert_refused(&p, 2, "best");
+    program_assert_refused(program_run("explain %s -n 50 --variant abacus", scene("paper.lua")), 2,
+                           "variant 'abacus': expected auto, simd, gpu or paper");
+    program_assert_refused(program_run("explain %s -n 50 --level best", scene("paper.lua")), 2,
+                           "best");
 }
 
 // The scene decides whether these say anything.
@@ -181,10 +177,10 @@ TEST(what_a_scene_has_no_use_for_is_refused)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s -n 50 %s", wrong[i].command, scene(wrong[i].scene));
-        program_assert_refused(&p, 2, wrong[i].says);
+        program_assert_refused(p, 2, wrong[i].says);
     }
-    program p = program_run("explain %s -n 50 --mode nowhere", scene("falling.lua"));
-    program_assert_refused(&p, 2, "--mode 'nowhere'");
+    program_assert_refused(program_run("explain %s -n 50 --mode nowhere", scene("falling.lua")), 2,
+                           "--mode 'nowhere'");
 }
 
 TEST_MAIN(NULL, NULL)

@@ -56,14 +56,13 @@ TEST(a_job_that_fails_is_one_line)
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
         be_mpirun(jobs[i].says, jobs[i].then);
         program p = program_run_with(variables, "cluster %s still -n 3", jobs[i].arguments);
-        program_assert_refused(&p, 1, jobs[i].told);
+        program_assert_refused(p, 1, jobs[i].told);
     }
     be_mpirun(BEGUN STOPPED, "exit 0");
-    program stopped = program_run_with(variables, "cluster --ranks 2 still");
-    program_assert_refused(&stopped, 130, "duet: stopped");
+    program_assert_refused(program_run_with(variables, "cluster --ranks 2 still"), 130,
+                           "duet: stopped");
     be_mpirun("ssh: no\n" BEGUN "driver: a warning\n\r\033[Kstep 3", "echo found");
-    program p = program_run_with(variables, "cluster --ranks 2 still");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run_with(variables, "cluster --ranks 2 still"));
     assert_string_equal(p.out, "found\n");
     assert_string_equal(p.err, "ssh: no\ndriver: a warning\n\r\033[Kstep 3");
 }
@@ -89,9 +88,8 @@ TEST(ranks_get_stdin_only_where_they_read_the_scene_from_it)
     be_mpirun(BEGUN, "cat");
     static const char *const jobs[][2] = {{"still", ""}, {"-", "next\n"}, {"/dev/stdin", "next\n"}};
     for (size_t i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
-        program p = program_run_with("echo next | PATH=\"$PWD/mpirun_of_test:$PATH\"",
-                                     "cluster --ranks 2 %s", jobs[i][0]);
-        assert_int_equal(p.exit_code, 0);
+        program p = program_done(program_run_with("echo next | PATH=\"$PWD/mpirun_of_test:$PATH\"",
+                                                  "cluster --ranks 2 %s", jobs[i][0]));
         assert_string_equal(p.out, jobs[i][1]);
     }
 }
@@ -117,8 +115,7 @@ TEST(ranks_share_the_machine_with_any_open_mpi)
                  "env -u " OLD_BINDING " -u " OLD_SHARING " -u " NEW_SHARING
                  " %s PATH=\"$PWD/mpirun_of_test:$PATH\"",
                  given[i][0]);
-        program p = program_run_with(variables, "cluster --ranks 9 still -n 3");
-        assert_int_equal(p.exit_code, 0);
+        program p = program_done(program_run_with(variables, "cluster --ranks 9 still -n 3"));
         assert_string_equal(p.out, given[i][1]);
     }
 }

@@ -144,14 +144,12 @@ TEST(extreme_scenes_are_drawn)
 TEST(what_cannot_be_drawn_is_one_line)
 {
     write_scene("0 0 1 1\n");
-    program p = program_run("picture %s", SCENE);
-    program_assert_refused(&p, 2, "-o is missing");
-    p = program_run("picture %s -o scene.jpg", SCENE);
-    program_assert_refused(&p, 2, "'scene.jpg': a picture's name ends with .svg or .png");
-    p = program_run("picture no/such.lua -o %s", SVG);
-    program_assert_refused(&p, 1, "no/such.lua");
-    p = program_run("picture %s -o no/such/folder.svg", SCENE);
-    program_assert_refused(&p, 1, "no/such/folder.svg");
+    program_assert_refused(program_run("picture %s", SCENE), 2, "-o is missing");
+    program_assert_refused(program_run("picture %s -o scene.jpg", SCENE), 2,
+                           "'scene.jpg': a picture's name ends with .svg or .png");
+    program_assert_refused(program_run("picture no/such.lua -o %s", SVG), 1, "no/such.lua");
+    program_assert_refused(program_run("picture %s -o no/such/folder.svg", SCENE), 1,
+                           "no/such/folder.svg");
 }
 
 TEST_MAIN(NULL, NULL)

@@ -42,9 +42,8 @@ static cJSON *run_json(const test_folder *folder, const char *arguments)
 
 static void assert_prints(const test_folder *folder, const char *arguments, const char *says)
 {
-    program p = run_on(folder, arguments);
+    program p = program_done(run_on(folder, arguments));
     assert_string_equal(p.err, "");
-    assert_int_equal(p.exit_code, 0);
     if (!strstr(p.out, says))
         fail_msg("profiles %s does not say '%s':\n%s", arguments, says, p.out);
 }
@@ -52,8 +51,7 @@ static void assert_prints(const test_folder *folder, const char *arguments, cons
 static void assert_refused(const test_folder *folder, const char *arguments, int code,
                            const char *says)
 {
-    program p = run_on(folder, arguments);
-    program_assert_refused(&p, code, says);
+    program_assert_refused(run_on(folder, arguments), code, says);
 }
 
 TEST(list_shows_what_an_application_would_load)
@@ -226,8 +224,7 @@ TEST(rows_go_out_and_into_another_store)
     test_folder other = test_folder_make();
     char arguments[160];
     snprintf(arguments, sizeof arguments, "export %s/rows.jsonl", folder.path);
-    program p = run_on(&folder, arguments);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(run_on(&folder, arguments));
     assert_string_equal(p.out, "");
     snprintf(arguments, sizeof arguments, "import %s/rows.jsonl --json", folder.path);
     cJSON *o = run_json(&other, arguments);
@@ -238,13 +235,11 @@ TEST(rows_go_out_and_into_another_store)
     assert_int_equal(json_number(o, "added"), 0);
     assert_true(json_number(o, "known") == added);
     snprintf(arguments, sizeof arguments, "export | cmp - %s/rows.jsonl", folder.path);
-    p = run_on(&other, arguments);
-    assert_int_equal(p.exit_code, 0);
+    program_done(run_on(&other, arguments));
     snprintf(arguments, sizeof arguments, "export %s", folder.store);
-    p = run_on(&folder, arguments);
-    program_assert_refused(&p, 2, ": is the store itself; name another one");
-    p = run_on(&folder, "export");
-    assert_int_equal(p.exit_code, 0);
+    program_assert_refused(run_on(&folder, arguments), 2,
+                           ": is the store itself; name another one");
+    program_done(run_on(&folder, "export"));
 }
 
 TEST(a_bad_line_is_named_and_the_store_untouched)

@@ -14,8 +14,7 @@
 
 TEST(help_and_version_are_printed)
 {
-    program p = program_run("--version");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("--version"));
     assert_string_equal(p.out, "duet 0.9.0\n");
     p = program_run("--help");
     assert_non_null(strstr(p.out, "\nexit status: 0 done, 1 failed (or 'bench --against': slower), "
@@ -96,10 +95,8 @@ TEST(wrong_usage_is_one_line_and_exit_2)
         {"\"$(printf 'a\\033b\\nc')\"", "there is no subcommand 'a\\x1bb\\x0ac'"},
         {"devices \"$(printf -- '--a\\033b\\nc')\"", "there is no option '--a\\x1bb\\x0ac'"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program p = program_run("%s", wrong[i][0]);
-        program_assert_refused(&p, 2, wrong[i][1]);
-    }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        program_assert_refused(program_run("%s", wrong[i][0]), 2, wrong[i][1]);
 }
 
 // Whoever looks the name up. A file that does not exist is a failure instead.
@@ -142,10 +139,8 @@ TEST(an_unknown_name_is_exit_2_in_every_subcommand)
         {"source bounds --set ABACUS=1", "no parameter 'ABACUS'"},
         {"source --check abacus", "no kernel 'abacus'"},
     };
-    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; ++i) {
-        program p = program_run("%s", unknown[i][0]);
-        program_assert_refused(&p, 2, unknown[i][1]);
-    }
+    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; ++i)
+        program_assert_refused(program_run("%s", unknown[i][0]), 2, unknown[i][1]);
 }
 
 TEST(an_argument_too_many_is_unexpected_in_every_subcommand)
@@ -177,10 +172,9 @@ TEST(an_argument_too_many_is_unexpected_in_every_subcommand)
         "source a",
         "tune a",
     };
-    for (size_t i = 0; i < sizeof full / sizeof *full; ++i) {
-        program p = program_run("%s extra", full[i]);
-        program_assert_refused(&p, 2, "unexpected argument 'extra'; 'duet ");
-    }
+    for (size_t i = 0; i < sizeof full / sizeof *full; ++i)
+        program_assert_refused(program_run("%s extra", full[i]), 2,
+                               "unexpected argument 'extra'; 'duet ");
 }
 
 // Some of these would work for minutes first.
@@ -191,10 +185,9 @@ TEST(what_cannot_be_written_is_refused_before_the_work)
                                            "accuracy still -n 100 --plot no/such/x.svg",
                                            "run falling -n 100 --steps 2 --record no/such/x",
                                            "run still -n 100 --pairs no/such/x.csv"};
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i) {
-        program p = program_run("%s", commands[i]);
-        program_assert_refused(&p, 1, "cannot be written: No such file or directory");
-    }
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; ++i)
+        program_assert_refused(program_run("%s", commands[i]), 1,
+                               "cannot be written: No such file or directory");
 }
 
 static uint64_t objects_of(const char *arguments)
@@ -222,15 +215,13 @@ TEST(numbers_are_written_as_people_write_them)
             assert_int_equal(objects_of(arguments), counts[i].n);
             continue;
         }
-        program p = program_run("run %s", arguments);
-        program_assert_refused(&p, 2, "--objects '");
+        program_assert_refused(program_run("run %s", arguments), 2, "--objects '");
     }
 }
 
 TEST(scenes_are_known_by_name)
 {
-    program list = program_run("scenes");
-    assert_int_equal(list.exit_code, 0);
+    program list = program_done(program_run("scenes"));
     int n = 0;
     for (char *row = strtok(list.out, "\n"); row; row = strtok(NULL, "\n"), ++n) {
         char name[32];
@@ -240,10 +231,10 @@ TEST(scenes_are_known_by_name)
         assert_int_equal(strncmp(shown.out, "-- SPDX", 7), 0);
     }
     assert_int_equal(n, 15);
-    program p = program_run("run papr");
-    program_assert_refused(&p, 2, "papr: no such file or scene; did you mean 'paper'?");
-    p = program_run("run abacus");
-    program_assert_refused(&p, 2, "abacus: no such file or scene; 'duet scenes' lists");
+    program_assert_refused(program_run("run papr"), 2,
+                           "papr: no such file or scene; did you mean 'paper'?");
+    program_assert_refused(program_run("run abacus"), 2,
+                           "abacus: no such file or scene; 'duet scenes' lists");
 }
 
 // A file of that name is meant by a path.
@@ -273,8 +264,8 @@ TEST(a_dash_is_stdin_and_stdout)
     }
     program p = program_run_with("printf 'print(6 * 7)' |", "lua -");
     assert_string_equal(p.out, "42\n");
-    p = program_run_with("printf '1,2,x' |", "run -");
-    program_assert_refused(&p, 1, "stdin:1: column 3: 'x' is not a number");
+    program_assert_refused(program_run_with("printf '1,2,x' |", "run -"), 1,
+                           "stdin:1: column 3: 'x' is not a number");
     p = program_run("picture still -n 3 -o -");
     assert_string_equal(p.err, "");
     assert_non_null(strstr(p.out, "<svg"));
@@ -282,8 +273,7 @@ TEST(a_dash_is_stdin_and_stdout)
 
 TEST(an_empty_input_is_told_of)
 {
-    program p = program_run_with(": |", "run - --pairs -");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run_with(": |", "run - --pairs -"));
     assert_string_equal(p.out, "");
     assert_string_equal(p.err, "duet: note: stdin: there are no objects\n");
     p = program_run("run paper -n 0"); // nothing was done that a table could tell of
@@ -293,7 +283,7 @@ TEST(an_empty_input_is_told_of)
     for (size_t i = 0; i < sizeof measuring / sizeof *measuring; ++i) {
         p = program_run("%s", measuring[i]);
         assert_string_equal(p.err, "duet: paper: there are no objects to measure\n");
-        program_assert_refused(&p, 2, "there are no objects to measure");
+        program_assert_refused(p, 2, "there are no objects to measure");
     }
     p = program_run_with(": |", "query - -o -");
     assert_string_equal(p.out, "");
@@ -313,18 +303,17 @@ TEST(devices_are_listed_as_one_json_object)
 TEST(a_machine_without_opencl_is_told_what_to_install)
 {
     static const char *const commands[] = {"devices", "devices --json"};
-    for (int i = 0; i < 2; ++i) {
-        program p = program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder", "%s",
-                                     commands[i]);
-        program_assert_refused(&p, 1, "apt install pocl-opencl-icd");
-    }
+    for (int i = 0; i < 2; ++i)
+        program_assert_refused(program_run_with("OCL_ICD_FILENAMES= OCL_ICD_VENDORS=no/such/folder",
+                                                "%s", commands[i]),
+                               1, "apt install pocl-opencl-icd");
 }
 
 // PoCL, which cannot make its cache folder, lists no device: it is installed for all that.
 TEST(a_cache_folder_that_cannot_be_made_is_told_of)
 {
-    program p = program_run_with("HOME=/nonexistent POCL_CACHE_DIR=/proc/x", "devices");
-    program_assert_refused(&p, 1, "its cache folder /proc/x cannot be written: No such file");
+    program_assert_refused(program_run_with("HOME=/nonexistent POCL_CACHE_DIR=/proc/x", "devices"),
+                           1, "its cache folder /proc/x cannot be written: No such file");
 }
 
 // A driver whose devices are elsewhere, or may not be opened.
@@ -336,8 +325,7 @@ TEST(a_platform_without_a_device_is_told_of)
                             "cp ${OCL_ICD_VENDORS:-/etc/OpenCL/vendors}/*.icd test_program.icds && "
                             "echo " TEST_ABSENT " >test_program.icds/absent.icd"),
                      0);
-    program p = program_run_with(here, "devices");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run_with(here, "devices"));
     assert_non_null(strstr(p.out, "pocl:0  "));
     assert_non_null(strstr(p.out, says));
     p = program_run_with(here, "devices --json");
@@ -347,18 +335,20 @@ TEST(a_platform_without_a_device_is_told_of)
     assert_string_equal(cJSON_GetArrayItem(absent, 0)->valuestring, says);
     p = program_run_with(here, "lua -e 'print(#duet.devices().absent, duet.devices().absent[1])'");
     assert_int_equal(strcmp(p.out, "1\tthe OpenCL platform 'Abacus' lists no device\n"), 0);
-    p = program_run_with(here, "run paper -n 10 --pair abacus:0");
-    program_assert_refused(&p, 2, "; the OpenCL platform 'Abacus' lists no device");
-    p = program_run_with(
-        "HOME=/nonexistent POCL_CACHE_DIR=/proc/x OCL_ICD_VENDORS=test_program.icds", "devices");
-    program_assert_refused(&p, 1, "lists no device");
+    program_assert_refused(program_run_with(here, "run paper -n 10 --pair abacus:0"), 2,
+                           "; the OpenCL platform 'Abacus' lists no device");
+    program_assert_refused(
+        program_run_with(
+            "HOME=/nonexistent POCL_CACHE_DIR=/proc/x OCL_ICD_VENDORS=test_program.icds",
+            "devices"),
+        1, "lists no device");
 }
 
 TEST(a_full_disk_is_a_failure)
 {
     skip_without_device("/dev/full");
-    program p = program_run("devices --json >/dev/full");
-    program_assert_refused(&p, 1, "stdout: No space left on device");
+    program_assert_refused(program_run("devices --json >/dev/full"), 1,
+                           "stdout: No space left on device");
 }
 
 static bool is_kind(const char *path, mode_t kind)
@@ -393,8 +383,7 @@ TEST(outputs_are_written_through_links)
         remove("OUT.svg");
         test_write_file("program.out", "");
         assert_int_equal(symlink("program.out", "OUT.svg"), 0);
-        p = program_run("%s", commands[i]);
-        assert_int_equal(p.exit_code, 0);
+        program_done(program_run("%s", commands[i]));
         struct stat info;
         assert_true(is_kind("OUT.svg", S_IFLNK) && is_kind("program.out", S_IFREG));
         assert_true(stat("program.out", &info) == 0 && info.st_size > 0);
@@ -417,8 +406,7 @@ TEST(a_reader_that_went_away_ends_the_program)
     }
     close(9);
     close(ends[1]);
-    program p = program_run("--help >&-");
-    program_assert_refused(&p, 1, "stdout: ");
+    program_assert_refused(program_run("--help >&-"), 1, "stdout: ");
 }
 
 TEST_MAIN(NULL, NULL)

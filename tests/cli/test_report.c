@@ -119,8 +119,7 @@ TEST(of_one_device_the_page_shows_no_share)
                                         "B: x:0",  "Standard set: history", "What became of"};
     text page = {0};
     test_write_file(RESULTS, results);
-    program p = program_run("report --profile %s -o " PAGE " " RESULTS, folder.store);
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run("report --profile %s -o " PAGE " " RESULTS, folder.store));
     must(text_read_file(&page, PAGE, ERR));
     for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
         if (!strstr(page.chars, has[i]))
@@ -138,8 +137,7 @@ static text profile_row_of(double share)
     text_add(&change, "UPDATE profile SET share = %d, verdict = 'slower', gain = -0.2611",
              (int)(share * 65536));
     test_store_run(folder.store, text_chars(&change));
-    program p = program_run("report --profile %s -o " PAGE, folder.store);
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run("report --profile %s -o " PAGE, folder.store));
     must(text_read_file(&page, PAGE, ERR));
     const char *from = strstr(page.chars, "data-head=\"share of A\"");
     assert_non_null(from);
@@ -168,8 +166,7 @@ TEST(a_plan_of_one_device_has_no_gain_and_no_verdict)
 
 TEST(a_page_without_a_name_is_told_of)
 {
-    program p = program_run("report --profile %s", folder.store);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("report --profile %s", folder.store));
     assert_string_equal(p.out, "-> duet-report.html\n");
     assert_int_equal(remove("duet-report.html"), 0);
 }
@@ -189,8 +186,7 @@ TEST(one_slow_step_does_not_flatten_the_others)
                  i ? "," : "", i / 4.0, i == 2 ? 700 : 2);
     text_add(&results, "]}");
     test_write_file(RESULTS, text_chars(&results));
-    program p = program_run("report --profile %s -o " PAGE " " RESULTS, folder.store);
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run("report --profile %s -o " PAGE " " RESULTS, folder.store));
     must(text_read_file(&page, PAGE, ERR));
     assert_non_null(strstr(page.chars, "1 above, up to 700 ms"));
     assert_non_null(strstr(page.chars, ">1.5</text>")); // a tick of an axis that ends near 2
@@ -218,19 +214,17 @@ TEST(names_are_words_and_no_markup)
 
 TEST(what_cannot_be_read_or_written_is_one_line)
 {
-    program p = program_run("report --profile no/such.db -o " PAGE);
-    program_assert_refused(&p, 1, "no/such.db");
-    p = program_run("report -o " PAGE " no/such.json");
-    program_assert_refused(&p, 1, "no/such.json");
-    p = program_run("report -o " PAGE " %s", folder.store);
-    program_assert_refused(&p, 1, "so this is no text");
+    program_assert_refused(program_run("report --profile no/such.db -o " PAGE), 1, "no/such.db");
+    program_assert_refused(program_run("report -o " PAGE " no/such.json"), 1, "no/such.json");
+    program_assert_refused(program_run("report -o " PAGE " %s", folder.store), 1,
+                           "so this is no text");
     static const char unmeasured[] = "{\"type\":\"duet explain\",\"scene\":\"s\",\"objects\":1,"
                                      "\"steps\":0,\"effects\":[]}";
     test_write_file(PAGE, unmeasured);
-    p = program_run("report -o x.html " PAGE);
-    program_assert_refused(&p, 1, PAGE ": no times; 'duet explain --measure' takes them");
-    p = program_run("report --profile %s -o no/such/folder.html", folder.store);
-    program_assert_refused(&p, 1, "no/such/folder.html");
+    program_assert_refused(program_run("report -o x.html " PAGE), 1,
+                           PAGE ": no times; 'duet explain --measure' takes them");
+    program_assert_refused(program_run("report --profile %s -o no/such/folder.html", folder.store),
+                           1, "no/such/folder.html");
 }
 
 // Each is a result with one number that nothing measures.
@@ -256,8 +250,7 @@ TEST(numbers_that_nothing_measures_are_refused)
         snprintf(results, sizeof results, accuracy, wrong[i].pairs, wrong[i].step_ms,
                  wrong[i].missed);
         test_write_file(PAGE, results);
-        program p = program_run("report -o x.html " PAGE);
-        program_assert_refused(&p, 1, wrong[i].says);
+        program_assert_refused(program_run("report -o x.html " PAGE), 1, wrong[i].says);
     }
 }
 

@@ -173,8 +173,7 @@ TEST(objects_in_order_keep_the_ids_of_the_scene)
 
 TEST(text_names_devices_stages_and_pairs)
 {
-    program p = program_run("run %s --repeat 2", SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("run %s --repeat 2", SCENE));
     bool two = devices_are_two();
     const char *const says[] = {"400",  two ? "A ms" : " ms", two ? "B ms" : "on  ", "candidates",
                                 "hash", "median of 2"};
@@ -221,10 +220,9 @@ TEST(timeline_shows_each_stage_where_it_was)
         assert_true(json_number(stage, "end_ms") == 0 || strstr(svg.chars, bar));
     }
     text_free(&svg);
-    program p = program_run("run %s --steps 2 --timeline test_run.svg", SCENE);
-    program_assert_refused(&p, 2, "--timeline");
-    p = program_run("run %s --repeat 1 --timeline -", SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program_assert_refused(program_run("run %s --steps 2 --timeline test_run.svg", SCENE), 2,
+                           "--timeline");
+    program p = program_done(program_run("run %s --repeat 1 --timeline -", SCENE));
     assert_memory_equal(p.out, "<svg ", 5);
 }
 
@@ -253,10 +251,8 @@ TEST(wrong_usage_is_one_line_and_exit_2)
         {"run " SCENE " --pair cpu --steps 1 --share 0.5", "--share: "},
         {"run " SCENE " --pair pocl:0,", "device pair 'pocl:0,': expected two selectors"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program p = program_run("%s", wrong[i][0]);
-        program_assert_refused(&p, 2, wrong[i][1]);
-    }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        program_assert_refused(program_run("%s", wrong[i][0]), 2, wrong[i][1]);
 }
 
 // On a slow machine nothing may have been timed yet, which is said in the same

@@ -52,9 +52,8 @@ static void assert_is_picture(const char *path)
 
 TEST(a_picture_and_frames_are_drawn)
 {
-    program p = program_run("run --steps 8 --picture " PICTURE " --frames " FRAMES " " SCENE);
-    if (p.exit_code != 0)
-        fail_msg("run --steps: %s", p.err);
+    program p =
+        program_done(program_run("run --steps 8 --picture " PICTURE " --frames " FRAMES " " SCENE));
     assert_is_picture(PICTURE);
     char path[64];
     for (int i = 0; i < 5; ++i) { // 60 steps a second and 30 pictures
@@ -85,8 +84,7 @@ static double column_of(const char *row, int column)
 
 TEST(the_parts_of_a_step_add_up_to_it)
 {
-    program p = program_run("run --steps 8 " SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("run --steps 8 " SCENE));
     const char *table = strstr(p.out, "ms a step ");
     assert_non_null(table);
     double ms = 0, percent = 0, step = NAN;
@@ -108,8 +106,7 @@ TEST(the_parts_of_a_step_add_up_to_it)
 
 TEST(json_says_what_the_table_does)
 {
-    program p = program_run("run --steps 8 --json " SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("run --steps 8 --json " SCENE));
     cJSON *o = json_of(p.out);
     assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
     assert_true(cJSON_GetObjectItem(o, "objects")->valuedouble == 9);
@@ -134,10 +131,9 @@ TEST(what_cannot_be_drawn_is_refused_before_the_steps)
         {"run --steps 1000000000 --json --format vtu --frames " SCENE " " SCENE, 1,
          SCENE "/bodies_00000.vtu"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program p = program_run("%s", wrong[i].arguments);
-        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
-    }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        program_assert_refused(program_run("%s", wrong[i].arguments), wrong[i].exit_code,
+                               wrong[i].says);
 }
 
 TEST(what_is_of_a_scene_at_rest_is_refused_with_steps)
@@ -145,10 +141,9 @@ TEST(what_is_of_a_scene_at_rest_is_refused_with_steps)
     static const char *const options[] = {"--repeat 3",    "--input host",  "--ordered",
                                           "--pairs x.csv", "--check",       "--level sat6",
                                           "--missed 0",    "--false-rate 1"};
-    for (size_t i = 0; i < sizeof options / sizeof *options; ++i) {
-        program p = program_run("run --steps 3 %s " SCENE, options[i]);
-        program_assert_refused(&p, 2, "and --steps do not go together");
-    }
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        program_assert_refused(program_run("run --steps 3 %s " SCENE, options[i]), 2,
+                               "and --steps do not go together");
     assert_int_not_equal(access("x.csv", F_OK), 0);
 }
 
@@ -161,29 +156,25 @@ TEST(a_full_disk_is_told_of)
     struct stat info;
     assert_int_equal(stat(FULL, &info), 0);
     assert_true(S_ISCHR(info.st_mode));
-    program_assert_refused(&p, 1, "No space left");
+    program_assert_refused(p, 1, "No space left");
 }
 
 TEST(a_recording_gives_the_same_hash_with_another_plan)
 {
-    program p = program_run("run --steps 8 --record " RECORDING " --share 0 " SCENE);
-    if (p.exit_code != 0)
-        fail_msg("run --record: %s", p.err);
+    program p = program_done(program_run("run --steps 8 --record " RECORDING " --share 0 " SCENE));
     const char *hash = strstr(p.out, "state hash");
     assert_non_null(hash);
-    program q = program_run("run --steps 8 --replay " RECORDING " --share 0.5 --mode slab " SCENE);
-    if (q.exit_code != 0)
-        fail_msg("run --replay: %s", q.err);
+    program q = program_done(
+        program_run("run --steps 8 --replay " RECORDING " --share 0.5 --mode slab " SCENE));
     assert_string_equal(strstr(q.out, "state hash"), hash);
-    p = program_run("run --steps 9 --replay " RECORDING " " SCENE);
-    program_assert_refused(&p, 2, RECORDING " has 8 recorded steps");
-    p = program_run("run --steps 8 --replay " SCENE " " SCENE);
-    program_assert_refused(&p, 1, "expected \"duet commands 2\"");
+    program_assert_refused(program_run("run --steps 9 --replay " RECORDING " " SCENE), 2,
+                           RECORDING " has 8 recorded steps");
+    program_assert_refused(program_run("run --steps 8 --replay " SCENE " " SCENE), 1,
+                           "expected \"duet commands 2\"");
     p = program_run("run --steps 8 --replay " RECORDING " falling -n 9");
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.err, "recorded from step 0, 9 places"));
-    p = program_run("run --replay " RECORDING " " SCENE);
-    program_assert_refused(&p, 2, "--replay");
+    program_assert_refused(program_run("run --replay " RECORDING " " SCENE), 2, "--replay");
 }
 
 // A scene of one ball at rest, and a recording in which another one comes, with the given radius.
@@ -206,12 +197,8 @@ static text draw_one_that_comes(double radius)
     int n = snprintf(given, sizeof given, script, radius);
     test_write_file(BALL, scene);
     must(text_write_file(SCRIPT, given, (size_t)n, ERR));
-    program p = program_run("lua --trust " SCRIPT);
-    if (p.exit_code != 0)
-        fail_msg("lua: %s", p.err);
-    p = program_run("run --steps 1 --replay " RECORDING " --picture " PICTURE " " BALL);
-    if (p.exit_code != 0)
-        fail_msg("run --replay: %s", p.err);
+    program_done(program_run("lua --trust " SCRIPT));
+    program_done(program_run("run --steps 1 --replay " RECORDING " --picture " PICTURE " " BALL));
     return test_read_file(PICTURE);
 }
 
@@ -244,9 +231,7 @@ static text draw_on_ridge(double height, double x, double y)
     char given[sizeof scene + 64];
     int n = snprintf(given, sizeof given, scene, height, x, y);
     must(text_write_file(BALL, given, (size_t)n, ERR));
-    program p = program_run("run --steps 1 --picture " PICTURE " " BALL);
-    if (p.exit_code != 0)
-        fail_msg("run: %s", p.err);
+    program_done(program_run("run --steps 1 --picture " PICTURE " " BALL));
     return test_read_file(PICTURE);
 }
 

@@ -46,8 +46,7 @@ static double number_of(const cJSON *o, const char *name)
 
 TEST(the_text_is_printed_and_nothing_else)
 {
-    program p = program_run("source scan --set WG=64 --set PER_ITEM=4");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("source scan --set WG=64 --set PER_ITEM=4"));
     assert_string_equal(p.err, "");
     assert_int_equal(strncmp(p.out, "// scan.WG64.PER_ITEM4\n#define WG 64\n", 37), 0);
     program again = program_run("source scan --set PER_ITEM=4 --set WG=64");
@@ -79,8 +78,7 @@ TEST(a_scene_decides_what_is_compiled_in)
     assert_non_null(strstr(p.out, "#define DIMS 2\n#define SHAPE 1\n#define ROTATED 0\n"));
     p = program_run("source scan --scene test_source.csv"); // has none of these
     assert_int_equal(p.exit_code, 0);
-    p = program_run("source hash --scene no_such.csv");
-    program_assert_refused(&p, 1, "no_such.csv");
+    program_assert_refused(program_run("source hash --scene no_such.csv"), 1, "no_such.csv");
 }
 
 TEST(kernels_are_listed_with_what_varies)
@@ -105,10 +103,10 @@ TEST(a_folder_replaces_the_carried_kernels)
 {
     program p = program_run_with("DUET_KERNEL_DIR=", "source scan"); // empty counts as not set
     assert_int_equal(p.exit_code, 0);
-    p = program_run_with(data_dir, "source scan");
-    program_assert_refused(&p, 2, "no kernel 'scan'; 'duet source --list' lists those there are");
-    p = program_run_with("DUET_KERNEL_DIR=no/such", "source scan");
-    program_assert_refused(&p, 1, "kernel folder no/such: No such file or directory");
+    program_assert_refused(program_run_with(data_dir, "source scan"), 2,
+                           "no kernel 'scan'; 'duet source --list' lists those there are");
+    program_assert_refused(program_run_with("DUET_KERNEL_DIR=no/such", "source scan"), 1,
+                           "kernel folder no/such: No such file or directory");
 }
 
 TEST(every_config_of_a_small_space_is_compiled)
@@ -169,10 +167,9 @@ TEST(wrong_usage_is_one_line)
         {"source nosuch --list", 2, "no kernel 'nosuch'; 'duet source --list' lists those there"},
         {"source scan --device abacus:0", 2, "no device 'abacus:0'"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program p = program_run("%s", wrong[i].arguments);
-        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
-    }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        program_assert_refused(program_run("%s", wrong[i].arguments), wrong[i].exit_code,
+                               wrong[i].says);
 }
 
 TEST_MAIN(find_data, NULL)

@@ -149,12 +149,11 @@ TEST(a_wrong_task_in_a_tune_file_is_told)
 // The kernel's text is part of what was measured.
 TEST(a_changed_kernel_is_another_workload)
 {
-    program p = program_run_with(STORE, "tune --task saxpy.task.lua " FEW);
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run_with(STORE, "tune --task saxpy.task.lua " FEW));
     test_write_file("saxpy.cl",
                     "__kernel void saxpy(SAXPY_ARGS)\n{\n    ulong i = first + "
                     "get_global_id(0);\n    if (i < last)\n        y[i] += a * x[i];\n}\n");
-    p = program_run_with(STORE, "run --json --task saxpy.task.lua");
+    program p = program_run_with(STORE, "run --json --task saxpy.task.lua");
     cJSON *root = json_of_program(&p);
     assert_string_equal(json_string(root, "plan_from"), "default");
 }
@@ -181,11 +180,12 @@ TEST(energy_is_made_small_and_kept_beside_time)
         joules = json_number(plan, "joules");
     }
     assert_true(ms > 0);
-    p = program_run_with(STORE " DUET_ENERGY=none.txt", "tune --task saxpy.task.lua "
-                                                        "--objective energy");
-    program_assert_refused(&p, 1, "energy: none.txt: expected a number, then J");
-    p = program_run_with(STORE, "tune --task saxpy.task.lua --objective speed");
-    program_assert_refused(&p, 2, "objective 'speed': expected 'time' or 'energy'");
+    program_assert_refused(program_run_with(STORE " DUET_ENERGY=none.txt",
+                                            "tune --task saxpy.task.lua "
+                                            "--objective energy"),
+                           1, "energy: none.txt: expected a number, then J");
+    program_assert_refused(program_run_with(STORE, "tune --task saxpy.task.lua --objective speed"),
+                           2, "objective 'speed': expected 'time' or 'energy'");
 }
 
 TEST(wrong_calls_are_refused)
@@ -221,10 +221,9 @@ TEST(a_wrong_kernel_fails_with_one_line)
     test_write_file("saxpy.cl", "__kernel void saxpy(SAXPY_ARGS)\n{\n    ulong i = first + "
                                 "get_global_id(0);\n    if (i < last)\n        y[i] = x[i];\n}\n");
     static const char *const commands[] = {"run", "tune"};
-    for (int i = 0; i < 2; ++i) {
-        program p = program_run_with(STORE, "%s --task saxpy.task.lua", commands[i]);
-        program_assert_refused(&p, 1, "task saxpy: item 0: y[0] is ");
-    }
+    for (int i = 0; i < 2; ++i)
+        program_assert_refused(program_run_with(STORE, "%s --task saxpy.task.lua", commands[i]), 1,
+                               "task saxpy: item 0: y[0] is ");
 }
 
 int main(int argc, char **argv)

@@ -68,8 +68,7 @@ TEST(a_workload_is_tuned_once_and_known_ever_after)
     rows = tune_json(QUICK FEW SCENE " -n 2000 --fresh");
     row = cJSON_GetArrayItem(rows, 0);
     assert_true(json_number(row, "launches") > 0);
-    program p = program_run("profiles forget --profile " STORE " %s", json_string(row, "uid"));
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run("profiles forget --profile " STORE " %s", json_string(row, "uid")));
     rows = tune_json(QUICK FEW SCENE " -n 2000"); // the one before is none either
     assert_false(json_true(cJSON_GetArrayItem(rows, 0), "known"));
 }
@@ -125,9 +124,8 @@ TEST(what_was_not_asked_before_is_measured)
 
 TEST(every_line_of_the_table_fits_a_terminal)
 {
-    program p = program_run("tune " FEW "--variants auto,simd --trials 80 --profile " STORE
-                            " " SCENE " -n 1000,2000");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run(
+        "tune " FEW "--variants auto,simd --trials 80 --profile " STORE " " SCENE " -n 1000,2000"));
     assert_non_null(strstr(p.out, "plan: A's part of the work; B does the rest."));
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
@@ -220,8 +218,7 @@ TEST(the_tuning_that_a_run_names_measures_what_it_then_loads)
     for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
         program p = program_run_with("DUET_PROFILE=" STORE, "run %s", runs[i]);
         char *tuning = printed_command(p.out, "tune", 0);
-        p = program_run_with("DUET_PROFILE=" STORE, "%s --variants auto " FEW, tuning);
-        assert_int_equal(p.exit_code, 0);
+        program_done(program_run_with("DUET_PROFILE=" STORE, "%s --variants auto " FEW, tuning));
         p = program_run_with("DUET_PROFILE=" STORE, "run --json %s", runs[i]);
         cJSON *o = json_of_program(&p);
         assert_string_equal(json_string(o, "profile"), "exact");
@@ -234,8 +231,7 @@ TEST(the_command_that_uses_a_plan_names_its_store)
     skip_on_one_device();
     program p = program_run("tune " QUICK FEW SCENE " -n 500 --strategy grid");
     char *command = printed_command(p.out, "profiles", 0);
-    p = program_run_with("DUET_PROFILE=nowhere.db", "%s", command);
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run_with("DUET_PROFILE=nowhere.db", "%s", command));
     p = program_run_with("DUET_PROFILE=" STORE, "run --json " SCENE " -n 500");
     cJSON *o = json_of_program(&p);
     assert_string_equal(json_string(o, "profile"), "exact");
@@ -297,8 +293,8 @@ TEST(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more)
 
 TEST(an_accuracy_out_of_reach_names_the_nearest_level)
 {
-    program p = program_run("tune " QUICK "--level aabb,sat6,sphere --missed 0 " SCENE);
-    program_assert_refused(&p, 1, "'sat6' comes nearest, with 0 and 0.");
+    program_assert_refused(program_run("tune " QUICK "--level aabb,sat6,sphere --missed 0 " SCENE),
+                           1, "'sat6' comes nearest, with 0 and 0.");
 }
 
 TEST(a_scene_says_which_level_it_wants)
@@ -447,8 +443,7 @@ TEST(a_tune_file_sweeps_with_a_strategy_of_its_own)
 // No share, and so no column about one.
 TEST(one_device_is_told_its_kernels)
 {
-    program p = program_run("tune " QUICK SCENE " --pair cpu");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("tune " QUICK SCENE " --pair cpu"));
     assert_int_equal(strncmp(p.out, "workload  ", 10), 0);
     assert_non_null(strstr(p.out, "  kernels  "));
     assert_non_null(strstr(p.out, "  auto  "));
@@ -459,8 +454,7 @@ TEST(one_device_is_told_its_kernels)
 // The plan of a motion, and what is said of it.
 static void assert_runs(const char *arguments, const char *plan)
 {
-    program p = program_run_with("DUET_PROFILE=" STORE, "run %s", arguments);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run_with("DUET_PROFILE=" STORE, "run %s", arguments));
     if (!strstr(p.out, plan))
         fail_msg("run %s: no '%s' in %s", arguments, plan, p.out);
 }
@@ -533,22 +527,21 @@ TEST(what_is_wrong_on_the_command_line_is_one_line)
         {"tune " QUICK SCENE " --false-rate -1", 2, "--false-rate"},
         {"run --level sat6 --missed 0 " SCENE, 2, "--level sat6: give a level, or"},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        program p = program_run("%s", rows[i].arguments);
-        program_assert_refused(&p, rows[i].exit_code, rows[i].says);
-    }
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
+        program_assert_refused(program_run("%s", rows[i].arguments), rows[i].exit_code,
+                               rows[i].says);
 }
 
 TEST(a_strategy_or_query_that_there_is_not_is_one_line)
 {
     skip_on_one_device();
-    program p = program_run("tune " QUICK SCENE " --strategy guess");
-    program_assert_refused(&p, 2, "there are balance, fig12");
+    program_assert_refused(program_run("tune " QUICK SCENE " --strategy guess"), 2,
+                           "there are balance, fig12");
     test_write_file(STRATEGY, "\nreturn function(history) x.y = 1 end\n");
-    p = program_run("tune " QUICK SCENE " --strategy-lua " STRATEGY);
-    program_assert_refused(&p, 1, "duet: " STRATEGY ":2: attempt to index");
-    p = program_run("tune " SCENE " --query 'rays both'");
-    program_assert_refused(&p, 2, "query 'rays both': expected 'rays closest'");
+    program_assert_refused(program_run("tune " QUICK SCENE " --strategy-lua " STRATEGY), 1,
+                           "duet: " STRATEGY ":2: attempt to index");
+    program_assert_refused(program_run("tune " SCENE " --query 'rays both'"), 2,
+                           "query 'rays both': expected 'rays closest'");
 }
 
 TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)

@@ -18,9 +18,8 @@ static int make_store(void **state)
 {
     (void)state;
     folder = test_folder_make();
-    program p = program_run_with("gzip -dc \"$DUET_TEST_DATA\"/surfaces.jsonl.gz |",
-                                 "profiles import - --profile %s", folder.store);
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run_with("gzip -dc \"$DUET_TEST_DATA\"/surfaces.jsonl.gz |",
+                                  "profiles import - --profile %s", folder.store));
     return 0;
 }
 
@@ -80,8 +79,7 @@ TEST(a_script_is_replayed_as_a_strategy)
 
 TEST(the_table_fits_a_terminal)
 {
-    program p = replay("-n 100000");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(replay("-n 100000"));
     assert_non_null(strstr(p.out, "paper, 100 000\nA: "));
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
@@ -89,21 +87,20 @@ TEST(the_table_fits_a_terminal)
 
 TEST(what_cannot_be_replayed_is_said_in_a_line)
 {
-    program p = replay("clustered");
-    program_assert_refused(&p, 2, "does not have that workload; it has paper -n 20000, paper -n");
-    p = replay("--fresh");
-    program_assert_refused(&p, 2, "--fresh and --replay do not go together");
-    p = replay("--strategy best");
+    program_assert_refused(replay("clustered"), 2,
+                           "does not have that workload; it has paper -n 20000, paper -n");
+    program_assert_refused(replay("--fresh"), 2, "--fresh and --replay do not go together");
+    program p = replay("--strategy best");
     assert_true(p.exit_code > 0);
     assert_non_null(strstr(p.err, "strategy 'best': there is none; there are balance, fig12"));
-    p = replay("--strategy annealing");
-    program_assert_refused(&p, 1, "has no workload for that strategy; expected shares that");
-    p = program_run("tune --replay /nowhere/profiles.db");
-    program_assert_refused(&p, 1, "/nowhere/profiles.db: ");
+    program_assert_refused(replay("--strategy annealing"), 1,
+                           "has no workload for that strategy; expected shares that");
+    program_assert_refused(program_run("tune --replay /nowhere/profiles.db"), 1,
+                           "/nowhere/profiles.db: ");
     test_folder empty = test_folder_make();
     store_close(test_store_open(empty.store, STORE_WRITE));
-    p = program_run("tune --replay %s", empty.store);
-    program_assert_refused(&p, 1, "no workload's shares were all measured; expected one that");
+    program_assert_refused(program_run("tune --replay %s", empty.store), 1,
+                           "no workload's shares were all measured; expected one that");
 }
 
 TEST_MAIN(make_store, NULL)

@@ -153,8 +153,7 @@ static void assert_differ(const char *scene, const char *says)
 
 TEST(equal_runs_are_told_in_one_line)
 {
-    program p = program_run("verify " SCENE " --steps 5");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("verify " SCENE " --steps 5"));
     assert_ptr_equal(strstr(p.out, "equal: 5 steps, 25 bodies, state hash "), p.out);
     assert_string_equal(p.err, "");
 }
@@ -183,8 +182,7 @@ TEST(modes_shares_and_halves_give_the_hash_of_one_device)
 TEST(a_recording_is_verified_to_its_end)
 {
     record(SCENE, PLAIN, push, 7, 3);
-    program p = program_run("verify " SCENE " --replay " PLAIN);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("verify " SCENE " --replay " PLAIN));
     assert_non_null(strstr(p.out, "equal: 12 steps, 25 bodies"));
 }
 
@@ -271,8 +269,7 @@ static void forge(text *file, size_t at, char by, size_t length, bool summed)
 
 static void assert_refused(const char *says)
 {
-    program p = program_run("verify " SCENE " --replay " ALTERED);
-    program_assert_refused(&p, 1, says);
+    program_assert_refused(program_run("verify " SCENE " --replay " ALTERED), 1, says);
 }
 
 TEST(recordings_that_are_none_are_refused)
@@ -320,10 +317,8 @@ TEST(wrong_command_lines_are_refused)
         {"verify " SCENE " --steps 3 --other-mode upside", "upside"},
     };
     record(SCENE, PLAIN, NULL, 0, 0);
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
-        program p = program_run("%s", lines[i].arguments);
-        program_assert_refused(&p, 2, lines[i].says);
-    }
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i)
+        program_assert_refused(program_run("%s", lines[i].arguments), 2, lines[i].says);
 }
 
 TEST_MAIN(begin, end)

@@ -131,18 +131,19 @@ TEST(a_forecast_takes_the_times_of_a_profile)
     assert_null(cJSON_GetObjectItem(one, "hash"));
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    program p = program_run_with(variables,
-                                 "cluster --simulate " NETWORK " --ranks 2 --profile none still");
-    program_assert_refused(&p, 2, "--profile 'none': 0 profiles begin so");
-    p = program_run_with(variables,
-                         "cluster --simulate " NETWORK " --ranks 2 --profile %.8s paper2d -n 9",
-                         profile->uid);
-    program_assert_refused(&p, 2, "': a profile in 3D, and paper2d is in 2D; expected the same");
-    p = program_run_with(variables,
-                         "cluster --simulate " NETWORK
-                         " --ranks 2 --profile %.8s paper -n 9 --level aabb",
-                         profile->uid);
-    program_assert_refused(&p, 2,
+    program_assert_refused(program_run_with(variables, "cluster --simulate " NETWORK
+                                                       " --ranks 2 --profile none still"),
+                           2, "--profile 'none': 0 profiles begin so");
+    program_assert_refused(program_run_with(variables,
+                                            "cluster --simulate " NETWORK
+                                            " --ranks 2 --profile %.8s paper2d -n 9",
+                                            profile->uid),
+                           2, "': a profile in 3D, and paper2d is in 2D; expected the same");
+    program_assert_refused(program_run_with(variables,
+                                            "cluster --simulate " NETWORK
+                                            " --ranks 2 --profile %.8s paper -n 9 --level aabb",
+                                            profile->uid),
+                           2,
                            "': a profile at level certified, and this is at level aabb; expected "
                            "the same");
     cJSON *two = forecast(folder.store, profile->uid, "--ranks 2 paper -n 4000 --set world=32");
@@ -161,10 +162,9 @@ TEST(a_forecast_takes_the_times_of_a_profile)
     assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms + bytes * 1e-6 * 0.99);
     s = test_store_open(folder.store, STORE_WRITE);
     must(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", ERR));
-    p = program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
-                         profile->uid);
-    program_assert_refused(&p, 2,
-                           "': a profile of the query 'rays closest'; expected one of steps");
+    program p = program_run_with(
+        variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still", profile->uid);
+    program_assert_refused(p, 2, "': a profile of the query 'rays closest'; expected one of steps");
     must(sql_script(s, "UPDATE workload SET query = NULL, boxes = 0", ERR));
     store_close(s);
     static const char *const hostile[] = {"profile SET median_ns = 9e999",
@@ -177,10 +177,11 @@ TEST(a_forecast_takes_the_times_of_a_profile)
                  hostile[i]);
         must(sql_script(s, change, ERR));
         store_close(s);
-        p = program_run_with(variables,
-                             "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
-                             profile->uid);
-        program_assert_refused(&p, 1, "its time of a step or its objects cannot be");
+        program_assert_refused(program_run_with(variables,
+                                                "cluster --simulate " NETWORK
+                                                " --ranks 2 --profile %.8s still",
+                                                profile->uid),
+                               1, "its time of a step or its objects cannot be");
     }
     duet_profile_list_destroy(list);
 }
@@ -204,10 +205,9 @@ TEST(a_platform_that_is_none_is_one_line)
     };
     write_network();
     write_platform(NO_ROUTE, "<host id='a' speed='1Gf'/><host id='b' speed='1Gf'/>");
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        program p = program_run("cluster --simulate %s", wrong[i].arguments);
-        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
-    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
+        program_assert_refused(program_run("cluster --simulate %s", wrong[i].arguments),
+                               wrong[i].exit_code, wrong[i].says);
 }
 
 // ---------------------------------------------------------------- what is told
@@ -275,8 +275,8 @@ TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
     cJSON *devices = json_of_program(&list);
     double units =
         json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0), "units");
-    program p = program_run_with("DUET_PAIR=pocl:0 taskset -c 0", "cluster --repeat 1 still -n 3");
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(
+        program_run_with("DUET_PAIR=pocl:0 taskset -c 0", "cluster --repeat 1 still -n 3"));
     assert_true((units > 1) == (strstr(p.err, "duet: rank 0 may use 1 of the ") != NULL));
     assert_non_null(strstr(p.out, "  pocl:0  ")); // the device that does it all is named once
 }
@@ -284,8 +284,8 @@ TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
 TEST(a_person_reads_a_table)
 {
     skip_without_mpi();
-    program p = program_run("cluster --ranks 3 --plain --check --resident planes -n 60");
-    assert_int_equal(p.exit_code, 0);
+    program p =
+        program_done(program_run("cluster --ranks 3 --plain --check --resident planes -n 60"));
     assert_string_equal(p.err, "");
     assert_non_null(strstr(p.out, "3 ranks"));
     assert_non_null(strstr(p.out, "   2  "));
@@ -343,31 +343,29 @@ TEST(a_failure_is_one_line)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         program p = program_run("%s", wrong[i].arguments);
-        program_assert_refused(&p, wrong[i].exit_code, wrong[i].says);
+        program_assert_refused(p, wrong[i].exit_code, wrong[i].says);
     }
-    program p = program_run_with("printf '0,0,0,1,1,1\\n0,0,0,1,1,inf\\n' |",
-                                 "cluster --ranks 3 --plain -");
-    program_assert_refused(&p, 1, "stdin:2: object 1: ");
-    p = program_run_with("OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=0",
-                         "cluster --ranks 2 still");
-    program_assert_refused(&p, 2, "this is rank 0 of 3 of an MPI job already");
+    program_assert_refused(program_run_with("printf '0,0,0,1,1,1\\n0,0,0,1,1,inf\\n' |",
+                                            "cluster --ranks 3 --plain -"),
+                           1, "stdin:2: object 1: ");
+    program_assert_refused(program_run_with("OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=0",
+                                            "cluster --ranks 2 still"),
+                           2, "this is rank 0 of 3 of an MPI job already");
 }
 
 // One rank of a job says so, and no other is in its way.
 TEST(run_is_refused_in_a_job)
 {
-    program p = program_run_with("OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK=0", "run still");
-    program_assert_refused(&p, 2,
-                           "an MPI job of 4 ranks, and each would find all pairs; expected "
-                           "'mpirun -np 4 duet cluster'");
-    p = program_run_with("PMI_SIZE=4 PMI_RANK=0", "run still");
-    program_assert_refused(&p, 2, "expected 'mpirun -np 4 duet cluster'");
-    p = program_run_with("PMI_SIZE=4 PMI_RANK=3", "run still");
-    assert_int_equal(p.exit_code, 0);
+    program_assert_refused(
+        program_run_with("OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK=0", "run still"), 2,
+        "an MPI job of 4 ranks, and each would find all pairs; expected "
+        "'mpirun -np 4 duet cluster'");
+    program_assert_refused(program_run_with("PMI_SIZE=4 PMI_RANK=0", "run still"), 2,
+                           "expected 'mpirun -np 4 duet cluster'");
+    program p = program_done(program_run_with("PMI_SIZE=4 PMI_RANK=3", "run still"));
     assert_string_equal(p.out, "");
     assert_string_equal(p.err, "");
-    p = program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json");
-    assert_int_equal(p.exit_code, 0);
+    program_done(program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json"));
 }
 
 // mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
@@ -383,7 +381,7 @@ TEST(a_rank_that_is_killed_ends_the_job_and_leaves_no_file)
                             "-n 30000 %s",
                             kill_one);
     assert_string_equal(p.out, "");
-    program_assert_refused(&p, 1, "a rank was ended by signal 9 (Killed), and with it the job");
+    program_assert_refused(p, 1, "a rank was ended by signal 9 (Killed), and with it the job");
     assert_int_equal(access("killed.npy", F_OK), -1);
     assert_int_equal(system("ls killed.npy* >/dev/null 2>&1") == 0, 0);
 }

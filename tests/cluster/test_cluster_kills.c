@@ -46,9 +46,7 @@ static void skip_without_mpi(void)
 
 static void get_hash(const char *arguments, char hash[32], double *steps)
 {
-    program p = program_run("%s", arguments);
-    if (p.exit_code != 0)
-        fail_msg("%s: %s", arguments, p.err);
+    program p = program_done(program_run("%s", arguments));
     const cJSON *o = json_of_program(&p);
     snprintf(hash, 32, "%s", json_string(o, "hash"));
     *steps = json_number(o, "steps");
@@ -75,13 +73,13 @@ TEST(steps_are_the_step_that_a_job_ends_at)
     get_hash("cluster --ranks 2 " SCENE " --steps 20 --json" KEPT, hash, &steps); // nothing is left
     assert_true(steps == 20);
     assert_string_equal(hash, right);
-    program p = program_run("cluster --ranks 2 " SCENE " --steps 19 --resume " SAVED);
-    program_assert_refused(&p, 2, "--steps 19: " SAVED " was saved at step 20");
-    p = program_run("cluster --ranks 2 " SCENE " --steps 30 --resume no.motion");
-    program_assert_refused(&p, 1, "no.motion: No such file");
-    p = program_run("cluster --ranks 2 " SCENE
-                    " --steps 30 --checkpoint other.motion --resume no.motion");
-    program_assert_refused(&p, 1, "no.motion: No such file");
+    program_assert_refused(program_run("cluster --ranks 2 " SCENE " --steps 19 --resume " SAVED), 2,
+                           "--steps 19: " SAVED " was saved at step 20");
+    program_assert_refused(program_run("cluster --ranks 2 " SCENE " --steps 30 --resume no.motion"),
+                           1, "no.motion: No such file");
+    program_assert_refused(program_run("cluster --ranks 2 " SCENE
+                                       " --steps 30 --checkpoint other.motion --resume no.motion"),
+                           1, "no.motion: No such file");
     remove(SAVED);
 }
 

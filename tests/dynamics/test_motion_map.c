@@ -246,12 +246,11 @@ TEST(what_cannot_be_mapped_is_refused_by_name)
         {DUET_STATE_CENTRES, DUET_MAP_READ, 0, UINT32_MAX, "the motion has 1 places"},
         {DUET_STATE_ANGULAR_VELOCITIES, DUET_MAP_READ, 0, 1, "needs the effect angular_velocity"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
         must_fail(duet_motion_map_states(m, (duet_state_part)wrong[i].part,
                                          (duet_map_access)wrong[i].access, wrong[i].first,
                                          wrong[i].n, ERR),
                   DUET_STATUS_BAD_ARGUMENT, wrong[i].says);
-    }
     must_fail(duet_motion_unmap_states(m, DUET_STATE_CENTRES, ERR), DUET_STATUS_BAD_ARGUMENT,
               "centres are not mapped; expected duet_motion_map_states first");
     assert_string_equal(duet_state_part_name(DUET_STATE_ROTATIONS), "rotations");

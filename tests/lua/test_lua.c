@@ -20,9 +20,7 @@
 
 static void assert_prints(const char *arguments, const char *output)
 {
-    program p = program_run("%s", arguments);
-    if (p.exit_code != 0)
-        fail_msg("%s: %s", arguments, p.err);
+    program p = program_done(program_run("%s", arguments));
     assert_string_equal(p.out, output);
     assert_string_equal(p.err, "");
 }
@@ -87,8 +85,7 @@ TEST(what_is_shown_says_what_it_is)
                             "s = duet.scene(duet.bounds(2), 3)\n"
                             "s\n"
                             "duet.kernels()\n");
-    program p = program_run("lua <" SCRIPT);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("lua <" SCRIPT));
     static const char rows[] = "duet.bounds of 2 rows\n"
                                "  0    0  0  0  1  2  3.5\n"
                                "  1  -10  0  0  1  1    1\n"
@@ -104,8 +101,7 @@ TEST(help_is_of_the_prompt)
 {
     test_write_file(SCRIPT,
                     "help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
-    program p = program_run("lua <" SCRIPT);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run("lua <" SCRIPT));
     assert_non_null(strstr(p.out, "Tab completes names"));
     assert_non_null(strstr(p.out, "  duet.scene(from, settings?)  "));
     assert_non_null(strstr(p.out, "  duet.Bounds:each("));
@@ -234,8 +230,7 @@ TEST(a_step_can_be_made_without_trust)
 
 static void assert_refused(const char *arguments, int exit_code, const char *says)
 {
-    program p = program_run("%s", arguments);
-    program_assert_refused(&p, exit_code, says);
+    program_assert_refused(program_run("%s", arguments), exit_code, says);
 }
 
 TEST(a_wrong_command_line_is_refused)

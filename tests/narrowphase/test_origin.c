@@ -52,10 +52,9 @@ TEST(what_is_too_far_or_no_edge_is_refused)
     must_fail(duet_large_pose_set(&p, (double[]){0, 2e9, 0}, 1, ERR), DUET_STATUS_BAD_OBJECT, "");
     must_fail(duet_large_pose_set(&p, (double[]){0, NAN, 0}, 1, ERR), DUET_STATUS_BAD_OBJECT, "");
     const float wrong[] = {0, -1, 3, INFINITY, NAN};
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < 5; ++i)
         must_fail(duet_large_pose_set(&p, (double[]){0, 0, 0}, wrong[i], ERR),
                   DUET_STATUS_BAD_ARGUMENT, "");
-    }
 }
 
 // ------------------------------------------------------------ pairs

@@ -279,10 +279,9 @@ TEST(half_a_pair_and_a_def_without_defaults_are_refused)
 {
     must_fail(open_pair(NULL, "pocl:0", ERR), DUET_STATUS_BAD_ARGUMENT, "");
     static const char *const lists[] = {"", ",", "pocl:0,", ",pocl:0", "pocl:0,pocl:0,pocl:0"};
-    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i)
         must_fail(open_pair(lists[i], NULL, ERR), DUET_STATUS_BAD_ARGUMENT,
                   "expected two selectors");
-    }
     must_fail(duet_device_pair_create(&(duet_device_pair_def){0}, ERR), DUET_STATUS_BAD_ARGUMENT,
               "");
     assert_null(open_pair("abacus:0", "abacus:0", NULL));

@@ -156,10 +156,9 @@ TEST(a_file_without_lines_is_refused)
     two_stores two = open_two();
     profile_import_counts counts;
     static const char *const empty[] = {"", "\n \n"};
-    for (size_t i = 0; i < sizeof empty / sizeof *empty; ++i) {
+    for (size_t i = 0; i < sizeof empty / sizeof *empty; ++i)
         must_fail(import_lines(two.s, empty[i], &counts, ERR), DUET_STATUS_BAD_INPUT,
                   "rows.jsonl: is empty; expected what");
-    }
 }
 
 static int line_of(const char *lines, const char *what)

@@ -313,10 +313,9 @@ TEST(a_view_or_trigger_of_a_stranger_is_refused)
         store *s = test_store_open(folder.store, STORE_WRITE);
         must(sql_script(s, cases[i].statements, ERR));
         store_close(s);
-        for (int k = 0; k < 2; ++k) {
+        for (int k = 0; k < 2; ++k)
             must_fail(store_open(folder.store, accesses[k], ERR), DUET_STATUS_STORE_FAILED,
                       cases[i].says);
-        }
     }
 }
 

@@ -402,9 +402,8 @@ TEST(rays_meet_bodies_where_they_are)
     }
     assert_true(met > 5 && met < 50);
     uint64_t hashes[2];
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 2; ++i)
         must(duet_motion_get_hash(asked[i], &hashes[i], ERR));
-    }
     assert_true(hashes[0] == hashes[1]);
 }
 

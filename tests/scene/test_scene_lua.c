@@ -332,11 +332,10 @@ TEST(a_wrong_setting_says_what_is_right)
         {{"size", "1 2"}, ":1: parameter size is '1 2'; it must be a number"},
         {{"turned", "1"}, ":1: parameter turned is '1'; it must be true or false"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
         must_fail(
             scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), &wrong[i].setting, 1, ERR),
             DUET_STATUS_BAD_ARGUMENT, wrong[i].says);
-    }
     must_fail(scene_from_bytes(FILE_NAME, "return {}", 9, &wrong[0].setting, 1, ERR),
               DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, FILE_NAME ": no parameter 'm'; the scene declares none");

@@ -368,9 +368,8 @@ static void put_for_scene(const char *path)
 
 static cJSON *ask_why(const char *path)
 {
-    program p = program_run("profiles why %s --profile %s --json", SCENE, path);
+    program p = program_done(program_run("profiles why %s --profile %s --json", SCENE, path));
     assert_string_equal(p.err, "");
-    assert_int_equal(p.exit_code, 0);
     return json_of(p.out);
 }
 
@@ -400,8 +399,8 @@ TEST(a_file_that_is_named_is_all_that_why_looks_in)
              user.store);
     program p = program_run_with(variables, "profiles why %s", SCENE);
     assert_non_null(strstr(p.out, "\nexact: "));
-    p = program_run_with(variables, "profiles why %s --profile %s", SCENE, user.store);
-    assert_int_equal(p.exit_code, 0);
+    p = program_done(
+        program_run_with(variables, "profiles why %s --profile %s", SCENE, user.store));
     assert_non_null(strstr(p.out, "there is no profile store"));
     assert_non_null(strstr(p.out, "\ndefault: "));
     assert_null(strstr(p.out, system.path));
@@ -421,16 +420,14 @@ TEST(why_names_the_plan_and_run_uses_it)
                         "auto sort=radix");
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    program p = program_run_with(variables, "run %s --repeat 1", SCENE);
-    assert_int_equal(p.exit_code, 0);
+    program p = program_done(program_run_with(variables, "run %s --repeat 1", SCENE));
     assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
     p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
     assert_non_null(strstr(p.out, "0.375"));
     assert_non_null(strstr(p.out, "\"exact\""));
     p = program_run_with(variables, "run %s --repeat 1 --share 1/2", SCENE);
     assert_non_null(strstr(p.out, "plan: as given"));
-    p = program_run("profiles why %s --profile %s", SCENE, folder.store);
-    assert_int_equal(p.exit_code, 0);
+    p = program_done(program_run("profiles why %s --profile %s", SCENE, folder.store));
     assert_non_null(strstr(p.out, devices_are_two() ? "\nexact: share 0.3750, mode own, A auto, "
                                                       "B auto sort=radix"
                                                     : "\nexact: kernels auto sort=radix"));

@@ -60,11 +60,18 @@ program program_run_with(const char *variables, const char *arguments, ...)
     return p;
 }
 
-void program_assert_refused(program *p, int exit_code, const char *says)
+program program_done(program p)
 {
-    size_t length = strlen(p->err);
-    bool one_line = length > 0 && strchr(p->err, '\n') == p->err + length - 1;
-    if (p->exit_code != exit_code || !one_line || *p->out || !strstr(p->err, says))
-        fail_msg("exit %d for %d, '%s' for a line with '%s', stdout '%.200s'", p->exit_code,
-                 exit_code, p->err, says, p->out);
+    if (p.exit_code != 0)
+        fail_msg("exit %d: %s", p.exit_code, p.err);
+    return p;
+}
+
+void program_assert_refused(program p, int exit_code, const char *says)
+{
+    size_t length = strlen(p.err);
+    bool one_line = length > 0 && strchr(p.err, '\n') == p.err + length - 1;
+    if (p.exit_code != exit_code || !one_line || *p.out || !strstr(p.err, says))
+        fail_msg("exit %d for %d, '%s' for a line with '%s', stdout '%.200s'", p.exit_code,
+                 exit_code, p.err, says, p.out);
 }

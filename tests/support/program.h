@@ -17,8 +17,11 @@ program program_run(const char *arguments, ...) __attribute__((format(printf, 1,
 program program_run_with(const char *variables, const char *arguments, ...)
     __attribute__((format(printf, 2, 3)));
 
+// Fails the test unless the program ended with 0. Returns it.
+program program_done(program p);
+
 // Fails the test unless the program ended so, with nothing on stdout and one
 // line on stderr that says it.
-void program_assert_refused(program *p, int exit_code, const char *says);
+void program_assert_refused(program p, int exit_code, const char *says);
 
 #endif
