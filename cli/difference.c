@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 // -0 is 0, as in the state's hash; NaN is NaN.
 static bool same(double a, double b)

@@ -5,8 +5,6 @@
 #include "cli/say.h"
 #include "runtime/commands/replay.h"
 
-#include <string.h>
-
 // A motion in which nothing happens has no plan.
 static void choose_plan(verified_run *r)
 {

@@ -4,8 +4,6 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-#include <string.h>
-
 typedef struct scene_box {
     duet_scene *scene;
     uint64_t closings; // views of the objects hold while it is 0

@@ -16,7 +16,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // The noise of medians before anything is known, as if from so many of them.
 #define USUAL_RESIDUAL 0.03

@@ -9,7 +9,6 @@
 
 #include "base/blob.h"
 #include "base/output.h"
-#include "profiles/profile.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/page.h"
 
-#include "base/blob.h"
-#include "base/error.h"
 #include "base/text.h"
 #include "cli/report/profile_report.h"
 #include "cli/report/rendering.h"

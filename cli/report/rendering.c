@@ -2,7 +2,6 @@
 #include "cli/report/rendering.h"
 
 #include "base/blob.h"
-#include "base/error.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "gen/sandbox.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Forces for the next step, and impulses.
-#include "base/error.h"
 #include "runtime/bodies/vector.h"
 #include "runtime/commands/command.h"
 #include "runtime/dynamics/motion_rows.h"

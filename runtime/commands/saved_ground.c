@@ -2,8 +2,6 @@
 // The ground of a saved motion: origin, spacing and heights, the last part of a file.
 #include "runtime/commands/saved_motion.h"
 
-#include "base/error.h"
-
 #include <assert.h>
 #include <string.h>
 
