@@ -4,8 +4,7 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
-#include "cli/say.h"
+#include "cli/report/rendering.h"
 #include "runtime/scene/shipped.h"
 
 #include <stdio.h>
@@ -51,7 +50,7 @@ static bool print_scene(const char *name, duet_error *err)
     return true;
 }
 
-static bool list_json(duet_error *err)
+static cJSON *describe(void)
 {
     shipped_scene scene;
     cJSON *o = cJSON_CreateObject();
@@ -60,24 +59,15 @@ static bool list_json(duet_error *err)
         cJSON *one = json_add_row(scenes);
         json_add(one, STRING("name", scene.name), STRING("about", scene.about));
     }
-    return say_json(o, err);
-}
-
-static bool list(void)
-{
-    shipped_scene scene;
-    table t = table_begin("ll");
-    for (unsigned i = 0; shipped_at(i, &scene); ++i)
-        table_words(&t, scene.name, scene.about, NULL);
-    table_print(&t, stdout);
-    return true;
+    return o;
 }
 
 static bool run(void *given, char **operands, duet_error *err)
 {
     if (operands[0])
         return print_scene(operands[0], err);
-    return ((const arguments *)given)->json ? list_json(err) : list();
+    return rendering_tell(describe(), ((const arguments *)given)->json, "cli/report/scenes.lua",
+                          err);
 }
 
 int command_scenes(int argc, char **argv)

@@ -1,0 +1,9 @@
+-- SPDX-License-Identifier: MIT
+-- What `duet scenes` tells, of the object that --json prints.
+local report = ...
+
+return function(o)
+  local row = report.columns("ll")
+  for _, scene in ipairs(o.scenes) do row(scene.name, scene.about) end
+  return report.told
+end
