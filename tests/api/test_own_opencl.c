@@ -3,6 +3,8 @@
 // with the host's arrays, nothing of the program's is kept or lost, and each misuse ends in a line.
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "base/rng.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/duet_opencl.h"
@@ -123,7 +125,7 @@ static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
     return mem;
 }
 
-static duet_device_pair *open_pair(cl_command_queue a, cl_command_queue b)
+static duet_device_pair *open_queues(cl_command_queue a, cl_command_queue b)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = NULL;
@@ -151,19 +153,12 @@ static void set_plan(duet_world *world, duet_mode mode, uint32_t share)
     must(duet_world_set_plan(world, &plan, ERR));
 }
 
-static duet_result step(duet_world *world)
-{
-    duet_result result;
-    must(duet_world_step(world, &result, ERR));
-    return result;
-}
-
 // ------------------------------------------------------------ device pairs
 
 TEST(a_pair_holds_what_it_uses_and_lets_all_of_it_go)
 {
     const cl_uint before = context_references();
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     assert_true(context_references() > before);
     assert_int_equal(queue_references(0), 2);
     assert_ptr_equal(pair->devices[0].context, own.context);
@@ -179,7 +174,7 @@ TEST(a_pair_holds_what_it_uses_and_lets_all_of_it_go)
 TEST(one_queue_is_a_pair_of_one)
 {
     for (int i = 0; i < 2; ++i) {
-        duet_device_pair *pair = open_pair(i ? NULL : own.queues[0], i ? own.queues[0] : NULL);
+        duet_device_pair *pair = open_queues(i ? NULL : own.queues[0], i ? own.queues[0] : NULL);
         assert_true(duet_device_pair_is_one(pair));
         assert_int_equal(duet_default_plan(pair).share, 0);
         duet_device_pair_destroy(pair);
@@ -208,7 +203,7 @@ TEST(profiles_are_those_of_the_device)
     cl_device_id root = first_device();
     cl_context context = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
     cl_command_queue queue = clCreateCommandQueue(context, root, 0, NULL);
-    duet_device_pair *pair = open_pair(queue, NULL);
+    duet_device_pair *pair = open_queues(queue, NULL);
     clReleaseCommandQueue(queue);
     clReleaseContext(context);
     duet_device_pair *named =
@@ -239,7 +234,7 @@ TEST(profiles_are_those_of_the_parts)
     if (!own.cut)
         skip();
     char selectors[2 * sizeof((duet_device_info *)0)->selector];
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     const char *whole = duet_device_pair_get_info(pair, 0)->selector;
     int length = (int)strcspn(whole, "[");
     snprintf(selectors, sizeof selectors, "%.*s[0-0],%.*s[1-1]", length, whole, length, whole);
@@ -324,7 +319,7 @@ static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def d
         set_by_buffer(world, apart);
     }
     set_plan(host, DUET_MODE_OWN, 0);
-    duet_result right = step(host);
+    duet_result right = step_world(host);
     assert_true(right.pairs > 10 && (def.shape == DUET_SHAPE_BOUNDS || right.undecided > 0));
     for (size_t p = 0; p < sizeof plans / sizeof *plans; ++p) {
         set_by_buffer(world, g);
@@ -366,7 +361,7 @@ static void set_host_memory(duet_device_pair *pair, bool a, bool b)
 TEST(objects_of_a_buffer_are_those_of_the_host)
 {
     fill_kinds();
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     every_kind(pair, 3);
     every_kind(pair, 2);
     duet_device_pair_destroy(pair);
@@ -375,11 +370,11 @@ TEST(objects_of_a_buffer_are_those_of_the_host)
 TEST(a_device_of_another_context_gets_them_through_the_host)
 {
     duet_world_def def = duet_default_world_def();
-    duet_device_pair_def devices = duet_default_device_pair_def();
-    devices.a = devices.b = own.cut ? "cpu[1/1]" : "cpu";
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    pair_def.a = pair_def.b = own.cut ? "cpu[1/1]" : "cpu";
     for (int side = 0; side < 2; ++side) {
         duet_device_pair *pair = must(duet_device_pair_create_on_queues(
-            &devices, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, ERR));
+            &pair_def, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, ERR));
         steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
         duet_device_pair_destroy(pair);
     }
@@ -391,7 +386,7 @@ TEST(devices_with_memory_of_their_own_find_the_same)
     fill_kinds();
     duet_world_def def = duet_default_world_def();
     for (int i = 0; i < 2; ++i) {
-        duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+        duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
         set_host_memory(pair, i, false);
         steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
         duet_world_def apart = def;
@@ -407,7 +402,7 @@ TEST(objects_are_checked_as_the_hosts)
 {
     duet_error own_err;
     duet_result result;
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *host = make_world(pair, duet_default_world_def());
     duet_world *world = make_world(pair, duet_default_world_def());
     const given g = {DUET_OBJECT_POSES, sizeof *poses, poses};
@@ -444,7 +439,7 @@ TEST(objects_are_checked_as_the_hosts)
 TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
 {
     duet_result result;
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
@@ -482,7 +477,7 @@ TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
 TEST(what_was_waited_for_in_vain_is_told)
 {
     duet_result result;
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     cl_event gate = clCreateUserEvent(own.context, NULL);
@@ -519,7 +514,7 @@ static void leave_everywhere(duet_device_pair *pair)
     duet_world *world = make_world(pair, duet_default_world_def());
     const given g = {DUET_OBJECT_POSES, sizeof *poses, poses};
     set_by_buffer(world, g);
-    const duet_result right = step(world);
+    const duet_result right = step_world(world);
     const uint64_t hash = duet_result_get_hash(&right), n = right.pairs;
     cl_mem pairs = make_buffer(NULL, n * sizeof(duet_pair), CL_MEM_READ_WRITE);
     cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
@@ -529,7 +524,7 @@ static void leave_everywhere(duet_device_pair *pair)
         must(duet_world_leave_pairs(world, i / 2 % 2, mine ? pairs : NULL, mine ? count : NULL,
                                     ERR));
         set_plan(world, DUET_MODE_OWN, shares[i / 4]);
-        duet_result result = step(world);
+        duet_result result = step_world(world);
         assert_int_equal(result.pairs, n);
         assert_int_equal(result.spans[0].n + result.spans[1].n, n);
         assert_null(result.spans[0].pairs);
@@ -552,7 +547,7 @@ static void leave_everywhere(duet_device_pair *pair)
 TEST(pairs_are_left_in_buffers)
 {
     for (int i = 0; i < 3; ++i) {
-        duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+        duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
         set_host_memory(pair, i > 1, i > 0);
         leave_everywhere(pair);
         set_host_memory(pair, true, true);
@@ -571,7 +566,7 @@ TEST(buffers_come_from_the_context_of_a_pair_without_queues)
     const uint64_t hash = hash_of(world);
     duet_pair_buffers left;
     must(duet_world_leave_pairs(world, 1, NULL, NULL, ERR));
-    step(world);
+    step_world(world);
     must(duet_world_get_pair_buffers(world, &left, ERR));
     cl_context context = NULL;
     clGetMemObjectInfo(left.pairs, CL_MEM_CONTEXT, sizeof context, &context, NULL);
@@ -591,10 +586,10 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
 {
     duet_result result;
     duet_pair_buffers buffers;
-    duet_device_pair *pair = open_pair(own.queues[0], NULL);
+    duet_device_pair *pair = open_queues(own.queues[0], NULL);
     duet_world *world = make_world(pair, duet_default_world_def());
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
-    const uint64_t n = step(world).pairs;
+    const uint64_t n = step_world(world).pairs;
     duet_pair kept[3] = {{1, 2}, {3, 4}, {5, 6}}, now[3];
     cl_mem pairs = make_buffer(kept, sizeof kept, CL_MEM_READ_WRITE);
     must(duet_world_leave_pairs(world, 1, pairs, NULL, ERR));
@@ -617,7 +612,7 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     duet_result result;
     duet_pair_buffers buffers;
     cl_event done = NULL;
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
@@ -664,7 +659,7 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
     duet_profile profile;
     char *why = NULL;
     cl_event done = NULL;
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     must_fail(duet_world_step_end(world, &result, ERR), DUET_STATUS_BAD_ARGUMENT,
@@ -708,7 +703,7 @@ TEST(states_are_copied_into_a_buffer)
     duet_motion_result result;
     duet_state states[SOME];
     float rows[SOME][4];
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_motion_def def = duet_default_motion_def();
     def.pair = pair;
     def.gravity[1] = -10.0;
@@ -748,7 +743,7 @@ TEST(states_are_copied_into_a_buffer)
 TEST(what_is_no_fit_buffer_is_refused_by_name)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = open_pair(own.queues[0], own.queues[1]);
+    duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
     cl_device_id root = first_device();
     cl_context other = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);

@@ -38,29 +38,17 @@ static duet_world_def def_of_cells(float x, float y, float z)
     return def;
 }
 
-static duet_pose box_at(double x, double y, double z, double half)
-{
-    float h = (float)half;
-    return (duet_pose){{(float)x, (float)y, (float)z}, {h, h, h}, {0, 0, 0, 1}};
-}
-
-static void turn(duet_pose *pose, rng *r)
-{
-    for (int i = 0; i < 4; ++i)
-        pose->rotation[i] = (float)rng_normal(r);
-}
-
 static duet_pose scattered(rng *r, double from, double to, double half)
 {
-    return box_at(rng_between(r, from, to), rng_between(r, from, to), rng_between(r, from, to),
-                  half);
+    return cube_at(rng_between(r, from, to), rng_between(r, from, to), rng_between(r, from, to),
+                   half);
 }
 
 static void scatter(uint32_t n, rng *r, double from, double to, double half)
 {
     for (uint32_t i = 0; i < n; ++i) {
         poses[i] = scattered(r, from, to, half);
-        turn(&poses[i], r);
+        turn_at_random(&poses[i], r);
     }
 }
 
@@ -73,7 +61,7 @@ TEST(centres_on_cell_borders_meet_all_neighbours)
     for (int x = 0; x <= 8; ++x)
         for (int y = 0; y <= 8; ++y)
             for (int z = 0; z <= 8; ++z)
-                poses[n++] = box_at(x * 0.5, y * 0.5, z * 0.5, 0.25);
+                poses[n++] = cube_at(x * 0.5, y * 0.5, z * 0.5, 0.25);
     assert_int_equal(agreement_check(&def, poses, n), (25 * 25 * 25 - 9 * 9 * 9) / 2);
     for (uint32_t i = 0; i < n; ++i)
         poses[i].half_extents[0] = poses[i].half_extents[1] = poses[i].half_extents[2] = 0.5f;
@@ -88,7 +76,7 @@ TEST(objects_on_and_an_ulp_beyond_the_world_s_faces_are_found)
     for (int x = 0; x < 6; ++x)
         for (int y = 0; y < 6; ++y)
             for (int z = 0; z < 6; ++z)
-                poses[n++] = box_at(along[x], along[y], along[z], 0.5);
+                poses[n++] = cube_at(along[x], along[y], along[z], 0.5);
     assert_true(agreement_check(&def, poses, n) > 0);
 }
 
@@ -102,7 +90,7 @@ TEST(negative_coordinates_are_rounded_down)
     for (int x = 0; x < 5; ++x)
         for (int y = 0; y < 5; ++y)
             for (int z = 0; z < 5; ++z)
-                poses[n++] = box_at(along[x], along[y], along[z], 0.45);
+                poses[n++] = cube_at(along[x], along[y], along[z], 0.45);
     assert_true(agreement_check(&def, poses, n) > 0);
 }
 
@@ -125,7 +113,7 @@ TEST(zeros_of_either_sign_are_alike)
 {
     duet_world_def def = def_of_cells(2, 2, 2);
     for (uint32_t i = 0; i < 64; ++i) {
-        poses[i] = box_at(i & 1 ? -0.0 : 0.0, i & 2 ? -0.0 : 1.0, i & 4 ? 0.0 : -0.0, 0.5);
+        poses[i] = cube_at(i & 1 ? -0.0 : 0.0, i & 2 ? -0.0 : 1.0, i & 4 ? 0.0 : -0.0, 0.5);
         poses[i].rotation[0] = i & 8 ? -0.0f : 0.0f;
     }
     assert_int_equal(agreement_check(&def, poses, 64), 64 * 63 / 2);
@@ -166,8 +154,8 @@ TEST(grids_of_one_to_three_cells_an_axis_find_each_pair_once)
         duet_world_def def =
             def_of_cells(1.01f * dims[d][0], 1.01f * dims[d][1], 1.01f * dims[d][2]);
         for (uint32_t i = 0; i < 300; ++i)
-            poses[i] = box_at(rng_between(&r, 0, dims[d][0]), rng_between(&r, 0, dims[d][1]),
-                              rng_between(&r, 0, dims[d][2]), 0.5);
+            poses[i] = cube_at(rng_between(&r, 0, dims[d][0]), rng_between(&r, 0, dims[d][1]),
+                               rng_between(&r, 0, dims[d][2]), 0.5);
         assert_true(agreement_check(&def, poses, 300) > 0);
     }
 }
@@ -187,7 +175,7 @@ TEST(a_world_of_more_cells_than_32_bits_count_is_no_trouble)
     for (uint32_t i = 0; i < 2000; ++i)
         poses[i] = scattered(&r, 0, 1e4, 500 * rng_unit(&r));
     for (uint32_t i = 0; i < 1000; ++i)
-        poses[i] = box_at(1e6 * (i / 2), 3e5 * (i / 2), 9e8 * (i % 4 / 2), 0.5);
+        poses[i] = cube_at(1e6 * (i / 2), 3e5 * (i / 2), 9e8 * (i % 4 / 2), 0.5);
     assert_true(agreement_check(&def, poses, 2000) >= 500);
 }
 
@@ -225,7 +213,7 @@ TEST(many_small_objects_in_one_cell_are_told_apart)
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 4100; ++i)
         poses[i] = scattered(&r, 0, 1, 0.01);
-    poses[4100] = box_at(5, 5, 5, 1);
+    poses[4100] = cube_at(5, 5, 5, 1);
     assert_true(agreement_check(&def, poses, 4101) > 0);
 }
 
@@ -233,7 +221,7 @@ TEST(identical_boxes_on_a_lattice_touch_their_neighbours)
 {
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 4096; ++i)
-        poses[i] = box_at(i % 16, i / 16 % 16, i / 256, 0.5);
+        poses[i] = cube_at(i % 16, i / 16 % 16, i / 256, 0.5);
     assert_int_equal(agreement_check(&def, poses, 4096), (46 * 46 * 46 - 4096) / 2);
     def.rotated = false;
     agreement_check(&def, poses, 4096);
@@ -246,7 +234,7 @@ TEST(objects_on_a_line_or_a_plane_are_like_any_others)
     for (int flat = 1; flat < 7; ++flat) {
         for (uint32_t i = 0; i < 700; ++i) {
             poses[i] = scattered(&r, 0, 60, 0.5);
-            turn(&poses[i], &r);
+            turn_at_random(&poses[i], &r);
             for (int k = 0; k < 3; ++k)
                 if (flat >> k & 1)
                     poses[i].centre[k] = 3;
@@ -260,7 +248,7 @@ TEST(one_giant_meets_exactly_all_others)
     rng r = rng_seed(test_seed());
     duet_world_def def = def_of(3);
     scatter(1999, &r, 0, 1000, 0.01);
-    poses[1999] = box_at(500, 500, 500, 600);
+    poses[1999] = cube_at(500, 500, 500, 600);
     assert_true(agreement_check(&def, poses, 2000) >= 1999);
 }
 
@@ -270,7 +258,7 @@ TEST(sizes_of_one_to_a_thousand_lose_nothing)
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 1500; ++i) {
         poses[i] = scattered(&r, 0, 50, i % 2 ? 0.005 : 5);
-        turn(&poses[i], &r);
+        turn_at_random(&poses[i], &r);
     }
     assert_true(agreement_check(&def, poses, 1500) > 0);
 }
@@ -279,10 +267,10 @@ TEST(points_are_objects_too)
 {
     duet_world_def def = def_of(3);
     for (uint32_t i = 0; i < 300; ++i)
-        poses[i] = box_at(i % 10, i / 10 % 10, 0, 0);
+        poses[i] = cube_at(i % 10, i / 10 % 10, 0, 0);
     assert_int_equal(agreement_check(&def, poses, 300), 100 * 3);
     for (uint32_t i = 0; i < 300; ++i)
-        poses[i] = box_at(7, 7, 7, 0);
+        poses[i] = cube_at(7, 7, 7, 0);
     assert_int_equal(agreement_check(&def, poses, 300), 300 * 299 / 2);
 }
 
@@ -309,7 +297,7 @@ static duet_world *open_world(const duet_world_def *def, uint32_t n)
 TEST(a_limit_of_pairs_holds_to_the_last_one)
 {
     for (uint32_t i = 0; i < 200; ++i)
-        poses[i] = box_at(0, 0, 0, 0.5);
+        poses[i] = cube_at(0, 0, 0, 0.5);
     duet_world_def def = def_of(3);
     for (int below = 0; below < 2; ++below) {
         def.max_pairs = 200 * 199 / 2 - (uint64_t)below;
@@ -367,7 +355,7 @@ TEST(each_kind_of_bad_pose_is_named)
 {
     for (int kind = 0; kind < 6; ++kind) {
         for (uint32_t i = 0; i < 10; ++i)
-            poses[i] = box_at(2 * i, 0, 0, 0.5);
+            poses[i] = cube_at(2 * i, 0, 0, 0.5);
         duet_pose *bad = &poses[7];
         bad->centre[0] = kind == 0 ? INFINITY : bad->centre[0];
         bad->centre[2] = kind == 1 ? -INFINITY : 0;
@@ -408,8 +396,8 @@ static uint64_t hash_of(const duet_world_def *def, uint32_t n)
 static void scatter_on_1024ths(uint32_t n, rng *r)
 {
     for (uint32_t i = 0; i < n; ++i)
-        poses[i] = box_at(rng_below(r, 10240) / 1024.0, rng_below(r, 10240) / 1024.0,
-                          rng_below(r, 10240) / 1024.0, rng_below(r, 512) / 1024.0);
+        poses[i] = cube_at(rng_below(r, 10240) / 1024.0, rng_below(r, 10240) / 1024.0,
+                           rng_below(r, 10240) / 1024.0, rng_below(r, 512) / 1024.0);
 }
 
 TEST(moving_and_mirroring_a_scene_changes_no_pair)
@@ -501,7 +489,7 @@ TEST(cells_that_fit_the_world_tightly_hold_their_objects)
     for (int round = 0; round < ROUNDS; ++round) {
         double step = edge * (1.0 + (round - 4) * 0x1p-21);
         for (int i = 0; i < N; ++i) {
-            poses[i] = box_at(i * step, 0, 0, 0.5);
+            poses[i] = cube_at(i * step, 0, 0, 0.5);
             poses[i].rotation[2] = 0.38268343f; // 45 degrees
             poses[i].rotation[3] = 0.92387953f;
         }

@@ -21,22 +21,12 @@ static duet_pose poses[MANY];
 
 // ------------------------------------------------------------ scenes
 
-static duet_pose random_pose(rng *r, double edge)
-{
-    duet_pose pose = {{0}, {0.5f, 0.5f, 0.5f}, {0}};
-    for (int k = 0; k < 3; ++k)
-        pose.centre[k] = (float)rng_between(r, 0.0, edge);
-    for (int k = 0; k < 4; ++k)
-        pose.rotation[k] = (float)rng_normal(r);
-    return pose;
-}
-
 // Unit cubes, about as dense as in the paper.
 static void fill_poses(rng *r, uint32_t n, uint32_t dims)
 {
     double edge = dims == 3 ? 2.0 * cbrt(n) : 2.0 * sqrt(n);
     for (uint32_t i = 0; i < n; ++i)
-        poses[i] = random_pose(r, edge);
+        poses[i] = random_cube(r, 0, edge);
 }
 
 static void set_large_poses(duet_world *world, uint32_t n)
@@ -218,7 +208,7 @@ TEST(objects_of_one_cell_are_in_the_order_of_their_ids)
     duet_world *world = create_world(&def);
     rng r = {test_seed()};
     for (uint32_t i = 0; i < MANY; ++i)
-        poses[i] = random_pose(&r, 0.0);
+        poses[i] = random_cube(&r, 0, 0.0);
     set_poses(world, MANY);
     assert_is_by_cell(world, MANY);
     assert_true(number_of_cells(world) == 1.0);
@@ -274,13 +264,6 @@ static duet_world_def ordered_def(uint32_t dims, const char *kernels)
     strcpy(def.plan.variant_a, kernels);
     strcpy(def.plan.variant_b, kernels);
     return def;
-}
-
-static void set_share(duet_world *world, uint32_t share)
-{
-    duet_plan plan = *duet_world_get_plan(world);
-    plan.share = share;
-    must(duet_world_set_plan(world, &plan, ERR));
 }
 
 static void step(duet_world *world, duet_result *result)

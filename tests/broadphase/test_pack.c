@@ -17,16 +17,6 @@ static duet_pose poses[CAPACITY];
 
 // ------------------------------------------------------------ scenes
 
-static duet_pose random_pose(rng *r, double from, double to)
-{
-    duet_pose pose = {{0}, {0.5f, 0.5f, 0.5f}, {0}};
-    for (int k = 0; k < 3; ++k)
-        pose.centre[k] = (float)rng_between(r, from, to);
-    for (int k = 0; k < 4; ++k)
-        pose.rotation[k] = (float)rng_normal(r);
-    return pose;
-}
-
 // Unit cubes, about as dense as in the paper.
 static double edge_of(uint32_t n, uint32_t dims)
 {
@@ -36,7 +26,7 @@ static double edge_of(uint32_t n, uint32_t dims)
 static void fill_poses(rng *r, uint32_t n, uint32_t dims)
 {
     for (uint32_t i = 0; i < n; ++i)
-        poses[i] = random_pose(r, 0.0, edge_of(n, dims));
+        poses[i] = random_cube(r, 0.0, edge_of(n, dims));
 }
 
 static uint64_t poses_hash(uint32_t n, uint32_t dims)
@@ -77,24 +67,10 @@ static void set_memory(bool host_a, bool host_b)
     devices->devices[1].info.host_memory = host_b;
 }
 
-static void set_share(duet_world *world, uint32_t share)
-{
-    duet_plan plan = *duet_world_get_plan(world);
-    plan.share = share;
-    must(duet_world_set_plan(world, &plan, ERR));
-}
-
-static duet_result step(duet_world *world)
-{
-    duet_result result;
-    must(duet_world_step(world, &result, ERR));
-    return result;
-}
-
 static duet_result step_poses(duet_world *world, uint32_t n)
 {
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
-    return step(world);
+    return step_world(world);
 }
 
 static double stage_ms(const duet_result *result, const char *name, int side)
@@ -191,7 +167,7 @@ TEST(objects_outside_the_world_are_found)
     rng r = {test_seed()};
     set_memory(false, false);
     for (uint32_t i = 0; i < N; ++i)
-        poses[i] = random_pose(&r, -12.0, 24.0);
+        poses[i] = random_cube(&r, -12.0, 24.0);
     duet_world_def def = world_def(3, "gpu send=packed");
     def.has_world = true;
     for (int k = 0; k < 3; ++k)
@@ -215,15 +191,15 @@ TEST(objects_that_stay_are_neither_packed_nor_sent_again)
     duet_world *world = make_world(&def);
     duet_result first = step_poses(world, N);
     uint64_t truth = duet_result_get_hash(&first);
-    duet_result again = step(world);
+    duet_result again = step_world(world);
     assert_false(was_packed(&again, 0) || was_packed(&again, 1));
     assert_true(stage_ms(&again, "send objects", 0) < 0.0);
     assert_int_equal(duet_result_get_hash(&again), truth);
     set_share(world, DUET_SHARE_ONE); // all to A, then slabs once more
-    duet_result whole = step(world);
+    duet_result whole = step_world(world);
     assert_int_equal(duet_result_get_hash(&whole), truth);
     set_share(world, DUET_SHARE_ONE / 2);
-    duet_result cut = step(world);
+    duet_result cut = step_world(world);
     assert_true(was_packed(&cut, 0));
     assert_int_equal(duet_result_get_hash(&cut), truth);
 }
@@ -303,7 +279,7 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
         *most = 8192;
         must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_NO_MEMORY, "");
         *most = before;
-        result = step(world);
+        result = step_world(world);
         assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
     }
 }

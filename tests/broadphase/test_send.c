@@ -48,13 +48,6 @@ static duet_world *make_world(duet_mode mode, const char *text, bool keep_bad)
     return world;
 }
 
-static void set_share(duet_world *world, uint32_t share)
-{
-    duet_plan plan = *duet_world_get_plan(world);
-    plan.share = share;
-    must(duet_world_set_plan(world, &plan, ERR));
-}
-
 static duet_result step(duet_world *world, uint32_t n)
 {
     duet_result result;

@@ -257,12 +257,6 @@ TEST(contacts_in_2d)
 
 // ---------------------------------------------------------------- closed forms
 
-static duet_pose box_at(double x, double y, double z, double half)
-{
-    return (duet_pose){
-        {(float)x, (float)y, (float)z}, {(float)half, (float)half, (float)half}, {0, 0, 0, 1}};
-}
-
 static duet_contact contact_of(uint32_t dims, duet_pose a, duet_pose b)
 {
     const duet_pose poses[2] = {a, b};
@@ -273,11 +267,11 @@ static duet_contact contact_of(uint32_t dims, duet_pose a, duet_pose b)
 
 TEST(a_box_on_a_plane_has_its_corners_at_its_depth)
 {
-    const duet_pose floor = box_at(0, -8, 0, 8);
+    const duet_pose floor = cube_at(0, -8, 0, 8);
     for (int i = 0; i < 3; ++i) {
         double depth = i == 0 ? 0 : i == 1 ? 0.125 : 0.25;
-        duet_contact flat = contact_of(2, floor, box_at(3, 0.5 - depth, 0, 0.5));
-        duet_contact c = contact_of(3, floor, box_at(3, 0.5 - depth, 2, 0.5));
+        duet_contact flat = contact_of(2, floor, cube_at(3, 0.5 - depth, 0, 0.5));
+        duet_contact c = contact_of(3, floor, cube_at(3, 0.5 - depth, 2, 0.5));
         assert_int_equal(c.n, 4);
         assert_int_equal(flat.n, 2);
         double corners[2] = {0, 0};
@@ -299,12 +293,12 @@ TEST(a_box_on_a_plane_has_its_corners_at_its_depth)
 
 TEST(a_corner_in_a_plane_is_one_point)
 {
-    duet_pose box = box_at(0, sqrt(3) - 0.01, 0, 1);
+    duet_pose box = cube_at(0, sqrt(3) - 0.01, 0, 1);
     const double angle = acos(1 / sqrt(3)) / 2; // its diagonal upright
     const double s = sin(angle) / sqrt(2);
     const float q[4] = {(float)-s, 0, (float)s, (float)cos(angle)};
     memcpy(box.rotation, q, sizeof q);
-    duet_contact c = contact_of(3, box_at(0, -8, 0, 8), box);
+    duet_contact c = contact_of(3, cube_at(0, -8, 0, 8), box);
     double deepest = 1, low[3] = {0};
     for (uint32_t i = 0; i < c.n; ++i)
         if (c.points[i].separation < deepest) {
@@ -341,8 +335,8 @@ TEST(what_touches_has_a_point)
     duet_pair pairs[54];
     uint64_t n = 0;
     for (int i = 0; i < 27; ++i)
-        poses[i] = box_at(i % 3, i / 3 % 3, i / 9, 0.5);
-    poses[27] = box_at(1, 1, 1, 0); // a point
+        poses[i] = cube_at(i % 3, i / 3 % 3, i / 9, 0.5);
+    poses[27] = cube_at(1, 1, 1, 0); // a point
     for (uint32_t i = 0; i < 27; ++i)
         if (i != 13)
             pairs[n++] = (duet_pair){i, 13};
@@ -508,7 +502,7 @@ static void assert_refused(const duet_pose *poses, uint32_t n, duet_pair pair, d
 
 TEST(what_is_no_pair_of_boxes_is_refused)
 {
-    duet_pose poses[3] = {box_at(0, 0, 0, 1), box_at(1, 0, 0, 1), box_at(NAN, 0, 0, 1)};
+    duet_pose poses[3] = {cube_at(0, 0, 0, 1), cube_at(1, 0, 0, 1), cube_at(NAN, 0, 0, 1)};
     assert_refused(poses, 3, (duet_pair){1, 3}, DUET_STATUS_BAD_ARGUMENT,
                    "pair 1 is of objects 1 and 3; expected two of 3");
     assert_refused(poses, 3, (duet_pair){1, 1}, DUET_STATUS_BAD_ARGUMENT,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "support/devices.h"
 #include "support/figure.h"
 #include "support/hard_pairs.h"
 #include "support/oracle.h"
@@ -11,11 +12,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-static duet_pose cube_at(float x, float y, float z)
-{
-    return (duet_pose){{x, y, z}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
-}
 
 // Does `check` for n pairs of each class, in 3D and in 2D; it says whether the
 // fact holds.
@@ -152,7 +148,7 @@ TEST(quarter_turns_are_decided_exactly_in_double)
     rng r = rng_seed(test_seed());
     int turns = 0;
     for (int code = 0; code < 81; ++code) {
-        duet_pose a = cube_at(0, 0, 0), b = a;
+        duet_pose a = cube_at(0, 0, 0, 0.5), b = a;
         int n = 0;
         for (int i = 0, rest = code; i < 4; ++i, rest /= 3) {
             a.rotation[i] = 0.7f * (float)(rest % 3 - 1);
@@ -248,7 +244,8 @@ TEST(a_quaternion_s_length_does_not_count)
 
 TEST(signed_zeros_do_not_count)
 {
-    duet_pose a = cube_at(0, 0, 0), b = cube_at(1, 0.0f, 0.0f), c = cube_at(1, -0.0f, -0.0f);
+    duet_pose a = cube_at(0, 0, 0, 0.5), b = cube_at(1, 0.0f, 0.0f, 0.5),
+              c = cube_at(1, -0.0f, -0.0f, 0.5);
     assert_true(narrow_decide(&a, &b, 3));
     assert_true(narrow_decide(&a, &c, 3));
     c.rotation[0] = -0.0f;
@@ -272,7 +269,7 @@ TEST(flat_pairs_are_alike_in_2d_and_in_3d)
 
 TEST(touching_cubes_collide_and_one_ulp_apart_do_not)
 {
-    duet_pose a = cube_at(1, 2, 3), b = cube_at(2, 2, 3);
+    duet_pose a = cube_at(1, 2, 3, 0.5), b = cube_at(2, 2, 3, 0.5);
     assert_int_equal(narrow_double(&a, &b, 3), NARROW_COLLIDING);
     assert_true(narrow_exact(&a, &b, 3));
     b.centre[0] = nextafterf(2, 3);
@@ -282,7 +279,7 @@ TEST(touching_cubes_collide_and_one_ulp_apart_do_not)
 
 TEST(a_cube_turned_by_a_right_angle_touches_all_the_same)
 {
-    duet_pose a = cube_at(0, 0, 0), b = cube_at(1, 1, 1);
+    duet_pose a = cube_at(0, 0, 0, 0.5), b = cube_at(1, 1, 1, 0.5);
     memcpy(b.rotation, (float[]){1, 0, 0, 1}, sizeof b.rotation); // 90 degrees about x
     assert_true(narrow_decide(&a, &b, 3));
     b.centre[2] = nextafterf(1, 2);
@@ -334,7 +331,7 @@ TEST(coplanar_rectangles_touch_along_an_edge)
 // from one angle on to another, without flicker between.
 TEST(a_turning_cube_enters_and_leaves_once)
 {
-    duet_pose fixed = cube_at(0, 0, 0), turning = cube_at(0, 0, 1.3f);
+    duet_pose fixed = cube_at(0, 0, 0, 0.5), turning = cube_at(0, 0, 1.3f, 0.5);
     int changes = 0;
     bool before = false;
     for (int i = 0; i <= 100000; ++i) {
@@ -351,7 +348,7 @@ TEST(a_turning_cube_enters_and_leaves_once)
 
 TEST(coordinates_near_the_greatest_float_are_no_trouble)
 {
-    duet_pose a = cube_at(-FLT_MAX, 0, 0), b = cube_at(FLT_MAX, 0, 0);
+    duet_pose a = cube_at(-FLT_MAX, 0, 0, 0.5), b = cube_at(FLT_MAX, 0, 0, 0.5);
     assert_false(narrow_decide(&a, &b, 3));
     a.half_extents[0] = FLT_MAX;
     assert_false(narrow_decide(&a, &b, 3));
@@ -365,7 +362,7 @@ TEST(coordinates_near_the_greatest_float_are_no_trouble)
 
 TEST(a_pose_that_is_no_box_collides_with_nothing)
 {
-    duet_pose good = cube_at(0, 0, 0);
+    duet_pose good = cube_at(0, 0, 0, 0.5);
     duet_pose bad[] = {good, good, good, good, good};
     bad[0].centre[0] = NAN;
     bad[1].half_extents[1] = -1;

@@ -21,17 +21,12 @@ static duet_pair_query *open_test(duet_level level, uint32_t share)
     return kept(duet_pair_query_create(&def, ERR));
 }
 
-static duet_pose cube_at(float x, float y, float z)
-{
-    return (duet_pose){{x, y, z}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
-}
-
 // Cubes in a row, every third pair apart.
 static void fill_row(duet_pose *poses, uint64_t n)
 {
     for (uint64_t i = 0; i < n; ++i) {
-        poses[2 * i] = cube_at((float)i, 0, 0);
-        poses[2 * i + 1] = cube_at((float)i, i % 3 == 2 ? 1.5f : 0.75f, 0);
+        poses[2 * i] = cube_at((float)i, 0, 0, 0.5);
+        poses[2 * i + 1] = cube_at((float)i, i % 3 == 2 ? 1.5f : 0.75f, 0, 0.5);
     }
 }
 
@@ -157,8 +152,8 @@ TEST(touching_pairs_are_decided_on_the_host_and_counted)
 {
     duet_pair_query_result result;
     uint8_t answers[2];
-    const duet_pose poses[] = {cube_at(0, 0, 0), cube_at(1, 0, 0), cube_at(0, 0, 0),
-                               cube_at(nextafterf(1, 2), 0, 0)};
+    const duet_pose poses[] = {cube_at(0, 0, 0, 0.5), cube_at(1, 0, 0, 0.5), cube_at(0, 0, 0, 0.5),
+                               cube_at(nextafterf(1, 2), 0, 0, 0.5)};
     duet_pair_query *test = open_test(DUET_LEVEL_CERTIFIED, 0);
     must(duet_pair_query_run(test, poses, 2, answers, NULL, &result, ERR));
     assert_int_equal(answers[0], 1);
@@ -214,7 +209,7 @@ TEST(a_test_goes_on_after_a_refusal)
 {
     duet_pair_query_result result;
     uint8_t answer;
-    duet_pose poses[2] = {cube_at(0, 0, 0), cube_at(0, 0, 0)};
+    duet_pose poses[2] = {cube_at(0, 0, 0, 0.5), cube_at(0, 0, 0, 0.5)};
     duet_pair_query *test = open_test(DUET_LEVEL_DOUBLE, 0);
     poses[0].half_extents[0] = NAN;
     assert_false(duet_pair_query_run(test, poses, 1, &answer, NULL, &result, NULL));

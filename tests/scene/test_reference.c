@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "support/devices.h"
+
 #include "base/rng.h"
 #include "runtime/scene/reference.h"
 
@@ -15,24 +17,12 @@ typedef struct crowd {
     duet_bounds bounds[N];
 } crowd;
 
-static duet_pose box_at(double x, double y, double z, double half)
-{
-    float h = (float)half;
-    return (duet_pose){{(float)x, (float)y, (float)z}, {h, h, h}, {0, 0, 0, 1}};
-}
-
-static void turn(duet_pose *pose, rng *r)
-{
-    for (int i = 0; i < 4; ++i)
-        pose->rotation[i] = (float)rng_normal(r);
-}
-
 static duet_pose scattered(rng *r, double world, double half)
 {
-    duet_pose pose = box_at(rng_between(r, -world, world), rng_between(r, -world, world),
-                            rng_between(r, -world, world), half);
+    duet_pose pose = cube_at(rng_between(r, -world, world), rng_between(r, -world, world),
+                             rng_between(r, -world, world), half);
     pose.half_extents[1] *= (float)rng_unit(r);
-    turn(&pose, r);
+    turn_at_random(&pose, r);
     return pose;
 }
 
@@ -58,7 +48,7 @@ static duet_pose clustered(rng *r, uint32_t i)
 static duet_pose on_a_lattice(rng *r, uint32_t i)
 {
     (void)r;
-    return box_at(i % 8, i / 8 % 8, i / 64, 0.5);
+    return cube_at(i % 8, i / 8 % 8, i / 64, 0.5);
 }
 
 static duet_pose in_one_place(rng *r, uint32_t i)
@@ -179,7 +169,7 @@ TEST(all_neighbours_on_a_lattice_touch)
 
 TEST(none_one_and_two_objects_are_scenes_too)
 {
-    duet_pose two[] = {box_at(0, 0, 0, 0.5), box_at(1, 1, 1, 0.5)};
+    duet_pose two[] = {cube_at(0, 0, 0, 0.5), cube_at(1, 1, 1, 0.5)};
     for (uint32_t n = 0; n <= 2; ++n)
         for (int way = REFERENCE_EACH_WITH_EACH; way <= REFERENCE_COLUMNS; ++way) {
             reference_objects objects = {.dims = 3, .n = n, .poses = two};

@@ -23,6 +23,41 @@ duet_world *create_world(const duet_world_def *def)
     return kept(duet_world_create(def, ERR));
 }
 
+void set_share(duet_world *world, uint32_t share)
+{
+    duet_plan plan = *duet_world_get_plan(world);
+    plan.share = share;
+    must(duet_world_set_plan(world, &plan, ERR));
+}
+
+duet_result step_world(duet_world *world)
+{
+    duet_result result;
+    must(duet_world_step(world, &result, ERR));
+    return result;
+}
+
+duet_pose cube_at(double x, double y, double z, double half)
+{
+    float h = (float)half;
+    return (duet_pose){{(float)x, (float)y, (float)z}, {h, h, h}, {0, 0, 0, 1}};
+}
+
+duet_pose random_cube(rng *r, double from, double to)
+{
+    duet_pose pose = cube_at(0, 0, 0, 0.5);
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)rng_between(r, from, to);
+    turn_at_random(&pose, r);
+    return pose;
+}
+
+void turn_at_random(duet_pose *pose, rng *r)
+{
+    for (int k = 0; k < 4; ++k)
+        pose->rotation[k] = (float)rng_normal(r);
+}
+
 uint64_t true_hash_of(duet_scene *scene)
 {
     duet_pair *pairs = NULL;

@@ -3,6 +3,7 @@
 #ifndef TESTS_DEVICES_H
 #define TESTS_DEVICES_H
 
+#include "base/rng.h"
 #include "runtime/duet.h"
 
 extern duet_device_pair *devices;
@@ -15,6 +16,13 @@ int close_devices(void **state);
 // destroys the pair; the world lasts until the test ends.
 duet_device_pair *open_pair(const char *a, const char *b);
 duet_world *create_world(const duet_world_def *def);
+void set_share(duet_world *world, uint32_t share);
+duet_result step_world(duet_world *world);
+
+// A cube whose edges are upright, and one of edge 1 anywhere in a range, turned anyhow.
+duet_pose cube_at(double x, double y, double z, double half);
+duet_pose random_cube(rng *r, double from, double to);
+void turn_at_random(duet_pose *pose, rng *r);
 
 // The hash of a scene's pairs by the plain C reference. Destroys the scene; NULL fails the test.
 uint64_t true_hash_of(duet_scene *scene);
