@@ -18,6 +18,7 @@
 typedef struct simulation {
     uint32_t stands_for;          // objects of a larger scene, for each object
     double object_seconds;        // a rank's step takes for each object or ghost; 0: it finds pairs
+    uint32_t exchanges;           // of ghosts after a step's colours; 0: nothing moves
     void (*pass)(double seconds); // lets simulated time pass for this rank
     void *ballast;                // memory of any message's size, which nobody reads
 } simulation;

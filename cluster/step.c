@@ -92,6 +92,9 @@ static bool search(duet_cluster *c, tally *t, duet_error *own)
     bool ok = cluster_search_all(c, own);
     if (c->step == STEP_COLD)
         ranks_end_turn(&c->ranks);
+    if (c->ranks.simulation && c->ranks.simulation->exchanges > 0 &&
+        !ghosts_send_colours(&c->ghosts, &c->ranks, c->ranks.simulation->exchanges, own))
+        return false;
     c->step = STEP_ENDED;
     if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
         owned_forget_renamed(&c->owned);

@@ -111,6 +111,35 @@ static cJSON *forecast(const char *path, const char *uid, const char *arguments)
     return json_of_program(&p);
 }
 
+static double of_all_ranks(const cJSON *result, const char *name)
+{
+    double sum = 0;
+    const cJSON *ranks = cJSON_GetObjectItem(result, "ranks");
+    for (int i = 0; i < cJSON_GetArraySize(ranks); ++i)
+        sum += json_number(cJSON_GetArrayItem(ranks, i), name);
+    return sum;
+}
+
+// The same step takes longer for bodies that move, by a message of at least 20 us (there are two
+// links) after each of 112 colours, of 48 bytes a ghost and one in seven ghosts.
+static void a_moving_profile_sends_for_each_colour(const char *path, const char *uid,
+                                                   const cJSON *still)
+{
+    duet_error err = {0};
+    store *s = test_store_open(path, STORE_WRITE);
+    assert_ok(sql_script(s, "UPDATE workload SET effects = 'moving'", &err), err);
+    store_close(s);
+    cJSON *moving = forecast(path, uid, "--ranks 2 paper -n 4000 --set world=32");
+    double ghosts = of_all_ranks(moving, "ghosts");
+    double more = of_all_ranks(moving, "sent_bytes") - of_all_ranks(still, "sent_bytes");
+    assert_true(more >= 112 * 48 * ghosts / 7 && more <= 112 * 48 * (ghosts / 7 + 2));
+    assert_true(json_number(moving, "total_ms") >= json_number(still, "total_ms") + 112 * 0.02);
+    assert_true(json_number(moving, "efficiency") < json_number(still, "efficiency"));
+    s = test_store_open(path, STORE_WRITE);
+    assert_ok(sql_script(s, "UPDATE workload SET effects = ''", &err), err);
+    store_close(s);
+}
+
 // One object that stands for K travels as K would, and takes a device as long.
 TEST(a_forecast_takes_the_times_of_a_profile)
 {
@@ -160,6 +189,7 @@ TEST(a_forecast_takes_the_times_of_a_profile)
     }
     assert_true(bytes > 0);
     assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms + bytes * 1e-6 * 0.99);
+    a_moving_profile_sends_for_each_colour(folder.store, profile->uid, two);
     s = test_store_open(folder.store, STORE_WRITE);
     must(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", ERR));
     program p = program_run_with(
