@@ -122,8 +122,10 @@ static void take_away(subject *s, uint32_t effect)
         s->def.boundary = DUET_BOUNDARY_NONE;
     if (effect == DUET_EFFECT_SKIN)
         s->def.skin = 0.0;
-    if (effect == DUET_EFFECT_HEIGHTS)
+    if (effect == DUET_EFFECT_GROUND) {
         s->def.heights = NULL;
+        s->def.mesh = NULL;
+    }
     for (uint32_t i = 0; i < s->n; ++i)
         change_body(&s->bodies[i], effect);
 }

@@ -12,7 +12,7 @@
 #include "gen/signature.h"
 
 #define CARD_MAX_PARAMS 32
-#define CARD_MAX_NAMES 16
+#define CARD_MAX_NAMES 24
 
 // Names of files that a card asks for.
 typedef struct card_names {

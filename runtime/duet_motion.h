@@ -35,7 +35,7 @@ typedef enum duet_effect {
     DUET_EFFECT_MATERIALS = 1u << 19,          // bodies name materials of a table
     DUET_EFFECT_SHOCKS = 1u << 20,             // impacts pass through rows of bodies that touch
     DUET_EFFECT_DEPENETRATION = 1u << 21, // bodies that begin deep in each other are taken apart
-    DUET_EFFECT_HEIGHTS = 1u << 22,       // a ground of heights
+    DUET_EFFECT_GROUND = 1u << 22,        // a ground of heights or of triangles
     DUET_EFFECT_ALL = (1u << 23) - 1
 } duet_effect;
 
@@ -124,6 +124,20 @@ typedef struct duet_heights {
 // A ground has at most so many heights.
 #define DUET_MOST_HEIGHTS (1u << 26)
 
+// A ground of any shape in 3D: triangles whose corners are seen counterclockwise from outside.
+// Space behind them is solid; a triangle holds what has its centre in front of it.
+typedef struct duet_mesh {
+    uint32_t n_vertices;
+    uint32_t n_triangles;      // 1 or more
+    double origin[3];          // position of the vertices' 0
+    const float *vertices;     // [n_vertices][3] of which some may lie at one place
+    const uint32_t *triangles; // [n_triangles][3] numbers of vertices, from 0 on
+    uint32_t material;         // 1 .. n_materials of the def; 0: contacts have what the body has
+} duet_mesh;
+
+// A mesh has at most so many triangles, and three times as many vertices.
+#define DUET_MOST_TRIANGLES (1u << 24)
+
 typedef struct duet_motion_def {
     duet_device_pair *pair; // held; B has the state, both find pairs
     duet_plan plan;         // how pairs are found, and B's kernels (duet_motion_set_plan)
@@ -151,6 +165,7 @@ typedef struct duet_motion_def {
     double hit_speed;    // > 0: reports impacts above that speed as hits
     uint32_t event_mask; // reports events if a bit of it is in the group of one of the two bodies
     const duet_heights *heights; // the ground, copied; NULL: none
+    const duet_mesh *mesh;       // the ground as triangles, likewise; one of both is NULL
     bool stage_times;            // times every step by stages; otherwise a GPU times one in 16
     uint32_t n_materials;        // at most 15: those that bodies can name
     duet_material materials[DUET_MATERIALS]; // [1] is the first; [0] is not read

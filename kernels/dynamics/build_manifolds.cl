@@ -162,7 +162,7 @@ static inline uint contacts_to_update(const scene *s)
 // Whether a pair needs no search for an axis: a wall, the ground, or a record that could be renewed.
 static inline bool update_directly(const scene *s, uint i, uint2 link)
 {
-//@ if HEIGHTS == 1 then
+//@ if GROUND > 0 then
     if (link.y >= s->n + AT_GROUND) {
         if (link.y == s->n + AT_GROUND)
             collide_ground(s, i, link);

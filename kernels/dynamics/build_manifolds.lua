@@ -4,7 +4,8 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
     "dynamics/box_contact.clh", "dynamics/rounded_contact.clh", "dynamics/box_lanes.clh", "dynamics/continuous.clh",
     "dynamics/body_pairs.clh", "dynamics/seam.clh", "dynamics/manifold_record.clh", "dynamics/listed.clh",
-    "dynamics/triangle_contact.clh", "dynamics/ground.clh", "dynamics/ground_contact.clh" },
+    "dynamics/mesh_rows.h", "dynamics/mesh_tree.clh", "dynamics/ground.clh", "dynamics/ground_heights.clh",
+    "dynamics/ground_mesh.clh", "dynamics/triangle_contact.clh", "dynamics/ground_touch.clh", "dynamics/ground_contact.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.ORIGIN, common.ORIENTED, common.TURN,
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
@@ -15,7 +16,7 @@ return {
       about = "pairs side by side in a work-item, of turned boxes in float" },
     common.ROUNDED,
     { "SENSORS", values = { 0, 1 }, default = 0, silent = true, about = "1: some bodies are sensors" },
-    { "HEIGHTS", values = { 0, 1 }, default = 0, silent = true, about = "1: a ground of heights" },
+    common.GROUND,
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 4, 8, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 4 end,
       about = "objects, pairs or contacts a work-item" },
@@ -31,10 +32,12 @@ return {
       const real4 *rotations  if ROTATED == 1
       real4 lower             if BOUNDARY == 1
       real4 upper             if BOUNDARY == 1
-      const float *heights    if HEIGHTS == 1
-      real4 ground_origin     if HEIGHTS == 1
-      real4 ground_spacing    if HEIGHTS == 1
-      int4 ground_size        if HEIGHTS == 1
+      real4 ground_origin     if GROUND > 0
+      const float *ground_values  if GROUND > 0
+      real4 ground_spacing    if GROUND == 1
+      int4 ground_size        if GROUND == 1
+      const uint *mesh_triangles  if GROUND == 2
+      const uint *mesh_nodes  if GROUND == 2
       const float4 *bodies    if CONTACT_RESPONSE == 1
       const uint *asleep      if SLEEP == 1
       uint woken              if SLEEP == 1
@@ -55,7 +58,7 @@ return {
     if p.WG > 1 and p.WG * p.PER_ITEM * 4 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
-    if p.HEIGHTS == 1 and (p.DIMS == 2 or p.ORIGIN > 0) then return false, "a ground is in 3D, without origin cells" end
+    if p.GROUND > 0 and (p.DIMS == 2 or p.ORIGIN > 0) then return false, "a ground is in 3D, without origin cells" end
     if p.ANGULAR_VELOCITY == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
     if p.FRICTION == 1 and p.CONTACT_RESPONSE == 0 then return false, "FRICTION without CONTACT_RESPONSE" end
     if p.CONTINUOUS == 1 and p.CONTACT_RESPONSE == 0 then return false, "CONTINUOUS without CONTACT_RESPONSE" end

@@ -71,7 +71,7 @@ __kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
     }
 }
 #endif
-//@ if HEIGHTS == 1 then
+//@ if GROUND == 1 then
 
 // The places of the grid from one before a coordinate, or to one behind it.
 static inline int place_before(real at, int n)
@@ -85,8 +85,8 @@ static inline int place_behind(real at, int n)
 }
 
 // Whether the ground under bounds comes so near to them that a body within could touch it.
-static inline bool reaches_up(__global const float *box, __global const float *heights, real4 origin, real4 spacing,
-                              int4 size, real margin)
+static inline bool meets_ground(__global const float *box, real4 origin, __global const float *heights, real4 spacing,
+                                int4 size, real margin)
 {
     real x = (box[0] - margin - origin.x) * spacing.z, x_end = (box[3] + margin - origin.x) * spacing.z;
     real y = (box[1] - margin - origin.y) * spacing.w, y_end = (box[4] + margin - origin.y) * spacing.w;
@@ -98,6 +98,21 @@ static inline bool reaches_up(__global const float *box, __global const float *h
                 return true;
     return false;
 }
+#define GROUND_SHAPE ground_values, ground_spacing, ground_size
+//@ end
+//@ if GROUND == 2 then
+
+// Whether a triangle's bounds come so near to a body's that it could touch the triangle.
+static inline bool meets_ground(__global const float *box, real4 origin, __global const uint *nodes, real margin)
+{
+    real4 lower = (real4)(box[0], box[1], box[2], 0) - origin - margin;
+    real4 upper = (real4)(box[3], box[4], box[5], 0) - origin + margin;
+    uint at = 0;
+    return next_leaf(nodes, &at, lower, upper) != MESH_NONE;
+}
+#define GROUND_SHAPE mesh_nodes
+//@ end
+//@ if GROUND > 0 then
 
 __kernel void contact_graph_ground(CONTACT_GRAPH_GROUND_ARGS)
 {
@@ -111,7 +126,7 @@ __kernel void contact_graph_ground(CONTACT_GRAPH_GROUND_ARGS)
             continue;
 #endif
         __global const float *box = boxes + 6 * (size_t)id;
-        if (reaches_up(box, heights, ground_origin, ground_spacing, ground_size, contact_margin))
+        if (meets_ground(box, ground_origin, GROUND_SHAPE, contact_margin))
             for (uint k = 0; k < GROUND_CONTACTS; ++k)
                 count_or_put(starts, others, id, n + AT_GROUND + k, fill);
     }

@@ -1,14 +1,15 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "the contact graph: which bodies each body may touch",
-  uses = { "dynamics/motion.clh", "dynamics/records.h" },
+  uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/mesh_rows.h",
+    "dynamics/mesh_tree.clh" },
   params = {
     common.DIMS, common.DOUBLE,
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
     common.MAY_RESPOND,
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
     common.SENSORS,
-    { "HEIGHTS", values = { 0, 1 }, default = 0, silent = true, about = "1: a ground of heights" },
+    common.GROUND,
     common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
@@ -37,11 +38,12 @@ return {
       const float *boxes
       const real4 *velocities
       const float *sensors    if SENSORS == 1
-      const float *heights    if HEIGHTS == 1
-      real4 ground_origin     if HEIGHTS == 1
-      real4 ground_spacing    if HEIGHTS == 1
-      int4 ground_size        if HEIGHTS == 1
-      real contact_margin     if HEIGHTS == 1
+      real4 ground_origin     if GROUND > 0
+      const float *ground_values  if GROUND == 1
+      real4 ground_spacing    if GROUND == 1
+      int4 ground_size        if GROUND == 1
+      const uint *mesh_nodes  if GROUND == 2
+      real contact_margin     if GROUND > 0
       uint n
       uint fill
       volatile uint *starts

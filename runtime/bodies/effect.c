@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/bodies/effect.h"
 
+#include "runtime/bodies/ground_def.h"
 #include "runtime/bodies/material.h"
 
 #include <math.h>
@@ -62,8 +63,8 @@ static const effect_row rows[] = {
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
      "fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, bodies, graph_colour, "
      "integrate_positions, solve_few"},
-    {DUET_EFFECT_HEIGHTS, "heights", DUET_EFFECT_CONTACT, "heights, with contact", "ground",
-     "contact_graph, build_manifolds"},
+    {DUET_EFFECT_GROUND, "ground", DUET_EFFECT_CONTACT, "heights or a mesh, with contact",
+     "ground_origin", "contact_graph, build_manifolds"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "check_fat_aabbs",
      "fat_aabbs"},
 };
@@ -137,7 +138,7 @@ static effect_facts facts_of_object(const duet_motion_def *def, const duet_pose 
 
 static effect_facts facts_of_ground(const duet_motion_def *def)
 {
-    const duet_body surface = {.material = def->heights->material};
+    const duet_body surface = {.material = ground_def_material(def)};
     return FACT_MATERIAL | (material_is_elastic(def, &surface) ? FACT_ELASTIC : 0) |
            (material_is_rough(def, &surface) ? FACT_ROUGH : 0);
 }
@@ -145,7 +146,7 @@ static effect_facts facts_of_ground(const duet_motion_def *def)
 void effect_facts_add(effect_facts *facts, const duet_motion_def *def, const duet_pose *poses,
                       const duet_body *bodies, uint32_t n)
 {
-    if (def->heights && def->heights->material > 0)
+    if (ground_def_material(def) > 0)
         *facts |= facts_of_ground(def);
     for (uint32_t i = 0; i < n; ++i)
         *facts |= facts_of_object(def, &poses[i], &bodies[i]);
@@ -160,7 +161,7 @@ static effect_facts facts_of_def(const duet_motion_def *def)
         g[0] != 0.0 || g[1] != 0.0 || (def->dims == 3 && g[2] != 0.0) || def->attraction != 0.0;
     return (pulls ? FACT_PULLED : 0) | (def->drag > 0.0 ? FACT_DRAGGED : 0) |
            (def->boundary != DUET_BOUNDARY_NONE ? FACT_BOUNDED : 0) |
-           (def->hit_speed > 0.0 ? FACT_HITS : 0) | (def->heights ? FACT_HEIGHTS : 0) |
+           (def->hit_speed > 0.0 ? FACT_HITS : 0) | (ground_def_is_given(def) ? FACT_GROUND : 0) |
            (def->skin > 0.0 ? FACT_SKIN : 0);
 }
 
@@ -192,7 +193,7 @@ static const struct {
     {DUET_EFFECT_MATERIALS, DUET_EFFECT_CONTACT_RESPONSE, FACT_MATERIAL},
     {DUET_EFFECT_CONTINUOUS, DUET_EFFECT_CONTACT_RESPONSE, FACT_FAST},
     {DUET_EFFECT_FILTER, DUET_EFFECT_CONTACT, FACT_FILTERED},
-    {DUET_EFFECT_HEIGHTS, DUET_EFFECT_CONTACT, FACT_HEIGHTS},
+    {DUET_EFFECT_GROUND, DUET_EFFECT_CONTACT, FACT_GROUND},
     {DUET_EFFECT_SKIN, DUET_EFFECT_CONTACT, FACT_SKIN},
 };
 

@@ -28,7 +28,7 @@ typedef enum effect_fact {
     FACT_DRAGGED = 1 << 16, // drag
     FACT_BOUNDED = 1 << 17, // walls, or a periodic world
     FACT_HITS = 1 << 18,    // a hit_speed
-    FACT_HEIGHTS = 1 << 19, // heights
+    FACT_GROUND = 1 << 19,  // heights or a mesh
     FACT_SKIN = 1 << 20,    // a skin
 } effect_fact;
 

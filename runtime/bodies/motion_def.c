@@ -4,9 +4,9 @@
 #include "runtime/bodies/motion_def.h"
 
 #include "base/error.h"
+#include "runtime/bodies/ground_def.h"
 #include "runtime/bodies/material.h"
 #include "runtime/bodies/vector.h"
-#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/opencl/device_pair.h"
 
@@ -116,22 +116,6 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
                      "doubles, and no origin cells");
 }
 
-// Refuses a ground that no motion can have.
-static bool check_heights(const duet_motion_def *def, duet_error *err)
-{
-    const duet_heights *h = def->heights;
-    if (!h)
-        return true;
-    if (def->dims != 3 || def->origin_edge != 0.0f)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "heights are for motions in 3D without origin cells");
-    if (h->material > def->n_materials)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the ground's material is %u; expected one of the def's %u materials",
-                         h->material, def->n_materials);
-    return heights_check(h, err);
-}
-
 bool motion_check_def(const duet_motion_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
@@ -156,7 +140,7 @@ bool motion_check_def(const duet_motion_def *def, duet_error *err)
                          "%s has no double; expected doubles = false",
                          def->pair->devices[1].info.selector);
     return check_numbers(def, err) && materials_check(def, err) && check_edge(def, err) &&
-           check_origin(def, err) && check_heights(def, err);
+           check_origin(def, err) && ground_def_check(def, err);
 }
 
 const char *motion_pose_fault(const duet_pose *p, uint32_t dims)

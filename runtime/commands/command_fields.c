@@ -194,10 +194,8 @@ static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const
 static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error *err)
 {
     const duet_plan plan = m->def.plan;
-    const duet_heights *heights = m->def.heights;
     m->def = *def;
     m->def.plan = plan;
-    m->def.heights = heights;
     motion_alter_all(m); // walls are elsewhere
     return motion_wake_all(m, err);
 }
@@ -208,6 +206,7 @@ bool command_set_def(duet_motion *m, command *c, duet_error *err)
     if (def.substeps == 0)
         def.substeps = m->def.substeps;
     def.heights = m->def.heights;
+    def.mesh = m->def.mesh;
     return motion_check_def(&def, err) && check_same(&def, &m->def, c->op->call, err) &&
            motion_needs(m, effect_infer(&def, m->facts), c->op->call, err) &&
            motion_keep_whole(m, change_world(m, &def, err));

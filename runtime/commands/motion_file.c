@@ -62,13 +62,12 @@ static saved_head head_of(const duet_motion *m)
                     .n_targets = c ? c->n_targets : 0,
                     .pushed = c && c->n_pushed > 0,
                     .origin_edge = m->def.origin_edge,
-                    .nx = saved_ground_is_kept(m) ? m->def.heights->nx : 0,
-                    .ny = saved_ground_is_kept(m) ? m->def.heights->ny : 0,
                     .step = m->step,
                     .n_pairs = m->graph.n_pairs,
                     .margin = m->margin,
                     .def = packed_def_of(&m->def)};
     memcpy(h.magic, magic, sizeof magic);
+    saved_ground_count(m, &h);
     return h;
 }
 
@@ -184,7 +183,8 @@ static bool check_head(const duet_motion *m, const saved_head *h, const char *pa
         {"effects", effects_but_skin(h->effects), effects_but_skin(m->effects)},
         {"floats a contact", h->record, m->layout.record},
         {"origin_edge", (double)h->origin_edge, (double)m->def.origin_edge},
-        {"grounds", h->nx > 0, saved_ground_is_kept(m)},
+        {"grounds", h->ground[0] > 0, saved_ground_is_kept(m)},
+        {"meshes", h->has_mesh, saved_ground_is_kept(m) && m->def.mesh},
         {"slop", h->margin / MOTION_SLOPS, m->margin / MOTION_SLOPS},
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)

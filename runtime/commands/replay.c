@@ -220,7 +220,7 @@ static bool check_ground(const duet_replay *p, const duet_motion *m, duet_error 
     uint64_t sum = recorded_ground_sum(m);
     return p->ground == sum ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: recorded on %s; the motion has %s", p->path,
-                     p->ground ? "a ground of heights" : "no ground of heights",
+                     p->ground ? "a ground" : "no ground",
                      sum == 0    ? "none"
                      : p->ground ? "another"
                                  : "one");

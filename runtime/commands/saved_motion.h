@@ -21,8 +21,8 @@ typedef struct saved_head {
     uint32_t n_targets;
     uint32_t pushed; // forces wait for the next step
     float origin_edge;
-    uint32_t nx, ny; // heights of the ground; 0: the file has none
-    uint32_t unused;
+    uint32_t ground[2]; // heights along x and y, or vertices and triangles; 0: the file has none
+    uint32_t has_mesh;
     uint64_t step, n_pairs;
     double margin;
     packed_def def;
@@ -35,6 +35,7 @@ size_t saved_ground_size(const saved_head *h);
 // Adds them to a file.
 bool saved_places_add(duet_motion *m, text *file, duet_error *err);
 void saved_ground_add(const duet_motion *m, text *file);
+void saved_ground_count(const duet_motion *m, saved_head *h); // what of it the head says
 
 // Whether a file of the motion has its ground: whether bodies can touch it.
 bool saved_ground_is_kept(const duet_motion *m);
@@ -44,9 +45,16 @@ bool saved_ground_is_kept(const duet_motion *m);
 bool saved_places_take(duet_motion *copy, const saved_head *h, const char *bytes, const char *path,
                        duet_error *err);
 
+// The ground of a file, in whose bytes its arrays lie.
+typedef struct saved_ground_seen {
+    duet_heights heights;
+    duet_mesh mesh;
+} saved_ground_seen;
+
 // Lets a copy's def have the ground at `bytes`, which were checked in length alone; take then
 // copies it, once the def was checked. Its material is the motion's.
-void saved_ground_see(duet_motion *copy, const saved_head *h, const char *bytes);
+void saved_ground_see(duet_motion *copy, saved_ground_seen *seen, const saved_head *h,
+                      const char *bytes);
 bool saved_ground_take(duet_motion *copy, const saved_head *h, duet_error *err);
 
 // A copy of a motion with n places, and without the arrays, buffers and ground.

@@ -86,7 +86,7 @@ static bool take_head(duet_motion *copy, const saved_head *h, const char *path, 
                          "%s: the saved motion's attraction is %g; expected none or both of the "
                          "file's and the motion's to be 0",
                          path, d->attraction);
-    if (h->rows_stale > 1 || h->pushed > 1 || h->unused ||
+    if (h->rows_stale > 1 || h->pushed > 1 ||
         (h->pushed && !(copy->effects & DUET_EFFECT_FORCES)))
         return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's head has no such word",
                          path);
@@ -221,7 +221,8 @@ static bool take_targets(duet_motion *copy, uint32_t n, const char **at, const c
 bool saved_places_take(duet_motion *copy, const saved_head *h, const char *bytes, const char *path,
                        duet_error *err)
 {
-    saved_ground_see(copy, h, bytes + saved_places_size(h));
+    saved_ground_seen seen;
+    saved_ground_see(copy, &seen, h, bytes + saved_places_size(h));
     bool ok = reserve_places(copy, err) && take_head(copy, h, path, err) &&
               saved_ground_take(copy, h, err) && take_places(copy, &bytes, path, err) &&
               take_targets(copy, h->n_targets, &bytes, path, err) && take_facts(copy, path, err) &&
@@ -242,8 +243,7 @@ duet_motion saved_copy_begin(const duet_motion *m, uint32_t n)
     copy.cells = NULL;
     copy.commands = NULL;
     memset(copy.buffers, 0, sizeof copy.buffers);
-    copy.ground.values = NULL;
-    copy.ground.buffer = (buffer){0};
+    copy.ground = (motion_ground){0};
     return copy;
 }
 
@@ -264,11 +264,11 @@ void saved_copy_adopt(duet_motion *m, duet_motion *copy)
     for (int which = 0; which < MOTION_BUFFERS; ++which)
         if (!copy->buffers[which].mem)
             buffer_swap(&copy->buffers[which], &before.buffers[which]);
-    if (!copy->ground.values) { // the file has none
+    if (!ground_is_there(&copy->ground)) { // the file has none
         copy->ground = before.ground;
         before.ground = (motion_ground){0};
     }
     *m = *copy;
-    m->def.heights = m->ground.values ? &m->ground.heights : NULL;
+    ground_show(&m->ground, &m->def);
     saved_copy_free(&before);
 }

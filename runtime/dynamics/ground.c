@@ -2,6 +2,9 @@
 #include "runtime/dynamics/ground.h"
 
 #include "base/error.h"
+#include "kernels/dynamics/mesh_rows.h"
+#include "runtime/bodies/ground_def.h"
+#include "runtime/narrowphase/mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,46 +20,111 @@ static arg_real4 real4_of(bool doubles, double x, double y, double z, double w)
                    : (arg_real4){.f = {{(float)x, (float)y, (float)z, (float)w}}};
 }
 
-bool ground_copy(motion_ground *ground, duet_motion_def *def, duet_error *err)
+static arg_real4 origin_of(bool doubles, const double at[3])
 {
-    if (!def->heights) {
-        ground->origin = real4_of(def->doubles, 1e30, 1e30, 1e30, 0.0);
-        ground->spacing = real4_of(def->doubles, 1.0, 1.0, 1.0, 1.0);
-        return true;
-    }
+    return real4_of(doubles, at[0], at[1], at[2], 0.0);
+}
+
+// ---------------------------------------------------------------- copies
+
+// A copy of an array; NULL without memory.
+static void *copy_of(const void *from, size_t bytes, duet_error *err)
+{
+    void *to = malloc(bytes);
+    if (!to)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes", bytes);
+    else
+        memcpy(to, from, bytes);
+    return to;
+}
+
+static bool copy_heights(motion_ground *ground, const duet_motion_def *def, duet_error *err)
+{
     duet_heights h = *def->heights;
-    ground->values = malloc(bytes_of(&h));
-    if (!ground->values)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u x %u heights", h.nx, h.ny);
-    memcpy(ground->values, h.heights, bytes_of(&h));
-    h.heights = ground->values;
+    h.heights = copy_of(h.heights, bytes_of(&h), err);
     ground->heights = h;
-    ground->origin = real4_of(def->doubles, h.origin[0], h.origin[1], h.origin[2], 0.0);
+    ground->origin = origin_of(def->doubles, h.origin);
     ground->spacing =
         real4_of(def->doubles, h.spacing[0], h.spacing[1], 1.0 / h.spacing[0], 1.0 / h.spacing[1]);
-    const duet_material *surface = &def->materials[h.material]; // [0] is not read
-    ground->surface = (cl_float4){{surface->friction, surface->restitution, (float)h.material}};
     ground->size = (cl_int4){{(cl_int)h.nx, (cl_int)h.ny}};
-    def->heights = &ground->heights;
+    return h.heights;
+}
+
+static bool copy_mesh(motion_ground *ground, const duet_motion_def *def, duet_error *err)
+{
+    duet_mesh m = *def->mesh;
+    m.vertices = copy_of(m.vertices, mesh_vertex_bytes(&m), err);
+    m.triangles = copy_of(m.triangles, mesh_triangle_bytes(&m), err);
+    ground->mesh = m;
+    ground->origin = origin_of(def->doubles, m.origin);
+    return m.vertices && m.triangles && mesh_rows_make(&ground->rows, &m, err);
+}
+
+bool ground_copy(motion_ground *ground, duet_motion_def *def, duet_error *err)
+{
+    ground->spacing = real4_of(def->doubles, 1.0, 1.0, 1.0, 1.0);
+    if (!ground_def_is_given(def)) {
+        ground->origin = real4_of(def->doubles, 1e30, 1e30, 1e30, 0.0);
+        return true;
+    }
+    uint32_t material = ground_def_material(def);
+    const duet_material *surface = &def->materials[material]; // [0] is not read
+    ground->surface = (cl_float4){{surface->friction, surface->restitution, (float)material}};
+    if (!(def->mesh ? copy_mesh(ground, def, err) : copy_heights(ground, def, err)))
+        return false;
+    ground_show(ground, def);
     return true;
 }
 
-bool ground_send(motion_ground *ground, const device *d, duet_error *err)
+bool ground_is_there(const motion_ground *ground)
 {
-    size_t bytes = bytes_of(&ground->heights);
-    if (!buffer_reserve(&ground->buffer, d, bytes > 0 ? bytes : sizeof(float), err))
+    return ground->heights.heights || ground->mesh.vertices;
+}
+
+void ground_show(const motion_ground *ground, duet_motion_def *def)
+{
+    def->heights = ground->heights.heights ? &ground->heights : NULL;
+    def->mesh = ground->mesh.vertices ? &ground->mesh : NULL;
+}
+
+// ---------------------------------------------------------------- the device's
+
+static bool send(buffer *b, const device *d, const void *from, size_t bytes, duet_error *err)
+{
+    if (!buffer_reserve(b, d, bytes > 0 ? bytes : sizeof(float), err))
         return false;
     if (bytes == 0)
         return true;
-    cl_int code = clEnqueueWriteBuffer(d->queue, ground->buffer.mem, CL_TRUE, 0, bytes,
-                                       ground->values, 0, NULL, NULL);
+    cl_int code = clEnqueueWriteBuffer(d->queue, b->mem, CL_TRUE, 0, bytes, from, 0, NULL, NULL);
     return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: sending %zu bytes of heights", d->info.selector, bytes);
+           error_set_cl(err, code, "%s: sending %zu bytes of a ground", d->info.selector, bytes);
+}
+
+static bool send_mesh(motion_ground *g, const device *d, duet_error *err)
+{
+    const mesh_rows *r = &g->rows;
+    return send(&g->buffers[GROUND_VALUES], d, g->mesh.vertices, mesh_vertex_bytes(&g->mesh),
+                err) &&
+           send(&g->buffers[GROUND_TRIANGLES], d, r->triangles,
+                (size_t)r->n_triangles * MESH_TRIANGLE * sizeof *r->triangles, err) &&
+           send(&g->buffers[GROUND_NODES], d, r->nodes,
+                (size_t)r->n_nodes * MESH_NODE * sizeof *r->nodes, err);
+}
+
+bool ground_send(motion_ground *g, const device *d, duet_error *err)
+{
+    return g->mesh.vertices ? send_mesh(g, d, err)
+                            : send(&g->buffers[GROUND_VALUES], d, g->heights.heights,
+                                   bytes_of(&g->heights), err);
 }
 
 void ground_close(motion_ground *ground)
 {
-    buffer_release(&ground->buffer);
-    free(ground->values);
+    for (int i = 0; i < GROUND_BUFFERS; ++i)
+        buffer_release(&ground->buffers[i]);
+    free((void *)ground->heights.heights);
+    free((void *)ground->mesh.vertices);
+    free((void *)ground->mesh.triangles);
+    mesh_rows_free(&ground->rows);
     *ground = (motion_ground){0};
 }

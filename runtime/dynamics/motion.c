@@ -148,7 +148,7 @@ bool motion_open(duet_motion *m, duet_error *err)
     bool ok = open_device(m, err) &&
               motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
               open_world(m, err) &&
-              (!(m->effects & DUET_EFFECT_HEIGHTS) || ground_send(&m->ground, m->device, err)) &&
+              (!(m->effects & DUET_EFFECT_GROUND) || ground_send(&m->ground, m->device, err)) &&
               motion_prepare(m, err) && motion_reset(m, err);
     if (ok)
         motion_plan_note(m);

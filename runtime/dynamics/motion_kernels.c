@@ -2,6 +2,7 @@
 // Which kernels a motion runs, and with which parameters.
 #include "runtime/dynamics/motion.h"
 
+#include "runtime/bodies/ground_def.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <string.h>
@@ -22,7 +23,9 @@ const binding motion_bindings[] = {
     BIND_BUFFER(duet_motion, "rows", "uint *", reading.rows),
     BIND_BUFFER(duet_motion, "last_rows", "uint *", reading.last_rows),
     BIND_BUFFER(duet_motion, "poses", "float *", poses_to),
-    BIND_BUFFER(duet_motion, "heights", "float *", ground.buffer),
+    BIND_BUFFER(duet_motion, "ground_values", "float *", ground.buffers[GROUND_VALUES]),
+    BIND_BUFFER(duet_motion, "mesh_triangles", "uint *", ground.buffers[GROUND_TRIANGLES]),
+    BIND_BUFFER(duet_motion, "mesh_nodes", "uint *", ground.buffers[GROUND_NODES]),
     BIND_VALUE(duet_motion, "ground_origin", ground.origin),
     BIND_VALUE(duet_motion, "ground_spacing", ground.spacing),
     BIND_VALUE(duet_motion, "ground_size", ground.size),
@@ -103,15 +106,15 @@ static int64_t boundary_kind(const duet_motion *m)
 }
 
 // A ground lies in 3D, and in no origin cells.
-static int64_t has_ground(const duet_motion *m)
+static int64_t ground_kind(const duet_motion *m)
 {
-    return has(m, DUET_EFFECT_HEIGHTS) && m->def.dims == 3 && m->def.origin_edge == 0.0f;
+    bool has_ground = has(m, DUET_EFFECT_GROUND) && m->def.dims == 3 && m->def.origin_edge == 0.0f;
+    return !has_ground ? 0 : m->def.mesh ? 2 : 1;
 }
 
 static int64_t has_ground_material(const duet_motion *m)
 {
-    return has_ground(m) && has(m, DUET_EFFECT_MATERIALS) && m->def.heights &&
-           m->def.heights->material > 0;
+    return ground_kind(m) > 0 && has(m, DUET_EFFECT_MATERIALS) && ground_def_material(&m->def) > 0;
 }
 
 static int64_t order_of(duet_integrator integrator)
@@ -160,7 +163,7 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("SKIN", has(m, DUET_EFFECT_SKIN)),
         OFFER("ROUNDED", has(m, DUET_EFFECT_RADIUS)),
         OFFER("SENSORS", has(m, DUET_EFFECT_SENSORS)),
-        OFFER("HEIGHTS", has_ground(m)),
+        OFFER("GROUND", ground_kind(m)),
         OFFER("HITS", motion_tells_hits(m)),
         OFFER("ALTERED", altered),
         OFFER("TEAM", m->device->info.kind == DUET_KIND_CPU),
@@ -233,7 +236,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(check_fat_aabbs, skin, "fat_aabbs"),
         KERNEL(contact_graph_pairs, contact, "contact_graph"),
         KERNEL(contact_graph_walls, walls, "contact_graph"),
-        KERNEL(contact_graph_ground, contact && has_ground(m), "contact_graph"),
+        KERNEL(contact_graph_ground, contact && ground_kind(m) > 0, "contact_graph"),
         KERNEL(contact_graph_sort, contact, "contact_graph"),
         KERNEL(contact_graph_reverse, contact, "contact_graph"),
         KERNEL(match_contacts, contact, "match_contacts"),

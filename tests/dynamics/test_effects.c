@@ -74,7 +74,7 @@ TEST(each_cause_calls_for_its_effect)
         [CONVEYING] = push | DUET_EFFECT_FRICTION | DUET_EFFECT_SURFACE_VELOCITY,
         [MADE] = push | DUET_EFFECT_MATERIALS,
         [SKIN] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_SKIN,
-        [GROUND] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_HEIGHTS,
+        [GROUND] = motion | DUET_EFFECT_CONTACT | DUET_EFFECT_GROUND,
     };
     for (int cause = 0; cause < CAUSES; ++cause) {
         mover *m = mover_new(3);
@@ -164,7 +164,7 @@ static mover *make_scene_in(medium in, uint32_t set)
         b->group = set & DUET_EFFECT_FILTER ? 1u << i % 2 : UINT32_MAX;
         b->mask = set & DUET_EFFECT_FILTER ? 1u << i % 3 : UINT32_MAX;
     }
-    if (set & DUET_EFFECT_HEIGHTS && !flat)
+    if (set & DUET_EFFECT_GROUND && !flat)
         m->def.heights = &uneven;
     if (set & DUET_EFFECT_CONTINUOUS)
         m->bodies[n - 1].velocity[in.dims - 1] = -200.0f;
@@ -215,7 +215,7 @@ static const uint32_t effects[] = {
     DUET_EFFECT_MATERIALS,
     DUET_EFFECT_SHOCKS,
     DUET_EFFECT_DEPENETRATION,
-    DUET_EFFECT_HEIGHTS,
+    DUET_EFFECT_GROUND,
 };
 
 enum { N_EFFECTS = sizeof effects / sizeof effects[0] };
@@ -232,7 +232,7 @@ static uint32_t with_needs(uint32_t set)
     set |= set & DUET_EFFECT_SENSORS ? DUET_EFFECT_EVENTS : 0;
     const uint32_t needs_contact = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_FILTER |
                                    DUET_EFFECT_SKIN | DUET_EFFECT_EVENTS | DUET_EFFECT_RADIUS |
-                                   DUET_EFFECT_HEIGHTS;
+                                   DUET_EFFECT_GROUND;
     set |= set & needs_response ? DUET_EFFECT_CONTACT_RESPONSE : 0;
     return set | (set & needs_contact ? DUET_EFFECT_CONTACT : 0);
 }
@@ -336,7 +336,7 @@ static const struct {
     {"MATERIALS", "materials", "material", NULL},
     {"CONVEYS", "surface_velocity", "surface_velocities", NULL},
     {"ROLLING", "rolling_resistance", "rolling_resistances", NULL},
-    {"HEIGHTS", "heights", "ground", NULL},
+    {"GROUND", "ground", "ground_origin", NULL},
     {"ROTATED", "rotation", "rotations", "ANGULAR_VELOCITY GYRO ROLLING"},
 };
 

@@ -356,7 +356,7 @@ TEST(a_ground_that_no_motion_can_have_is_refused)
     refuse_bytes(&f, AT_NX + 4, &many, 4, "cut short or damaged");
     refuse_bytes(&f, AT_NX, (uint32_t[]){1, 6}, 8, "the ground has 1 x 6 heights");
     refuse_bytes(&f, AT_NX, (uint32_t[]){0x80000003, 0x80000002}, 8, "cut short or damaged");
-    refuse_bytes(&f, AT_NX + 8, &one, 4, "no such word");
+    refuse_bytes(&f, AT_NX + 8, &one, 4, "meshes: 1 in the file, 0 in the motion");
     refuse_bytes(&f, at, &(double){NAN}, 8, "x of the ground's origin is nan");
     refuse_bytes(&f, at + 24, &(double){0}, 8, "the ground's spacing along x is 0");
     refuse_bytes(&f, at + FIELD + 16, &nan_bits, 4, "height 1, 1 of the ground is nan");

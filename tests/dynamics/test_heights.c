@@ -577,7 +577,7 @@ TEST(a_recording_is_for_the_ground_that_it_was_made_on)
     assert_int_equal(replay_status(m, NULL), DUET_STATUS_OK);
     f->values[2000] += 0x1p-10f;
     mover *n = thrown_on(f, 1);
-    assert_int_equal(replay_status(n, "recorded on a ground of heights; the motion has another"),
+    assert_int_equal(replay_status(n, "recorded on a ground; the motion has another"),
                      DUET_STATUS_BAD_INPUT);
     f->values[2000] -= 0x1p-10f;
     free(f);
@@ -665,7 +665,7 @@ TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
     none.heights = NULL;
     refuse(m, &none, "the ground's heights are NULL");
     m->def.dims = 2;
-    refuse(m, &f->heights, "heights are for motions in 3D");
+    refuse(m, &f->heights, "heights and meshes are for motions in 3D");
     free(f);
 }
 

@@ -356,7 +356,7 @@ TEST(a_broken_card_is_told_with_its_line)
         {CARD("", "valid = function(p) return p.A > 1 end,"),
          "k.lua:3: attempt to compare number with nil"},
         {CARD("", "valid = function(p) while true do end end,"), "k.lua:3: runs for more than"},
-        {CARD("", "uses = { '../x.clh' },"), "k.lua:3: uses has at most 16 names of files"},
+        {CARD("", "uses = { '../x.clh' },"), "k.lua:3: uses has at most 24 names of files"},
         {CARD("", "args = { k = 1 },"), "k.lua:3: args: expected an entry's NAME = [[ its"},
         {CARD("", "args = { k = [[ float ]] },"), "k.lua:3: k: 'float' is no argument; expected"},
         {CARD("", "args = { k = [[ char c ]] },"), "k.lua:3: k: 'char c' is no argument"},

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/bodies/ground_def.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/heights.h"
+#include "runtime/narrowphase/mesh.h"
+
+bool ground_def_check(const duet_motion_def *def, duet_error *err)
+{
+    uint32_t material = ground_def_material(def);
+    if (!ground_def_is_given(def))
+        return true;
+    if (def->heights && def->mesh)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the def has heights and a mesh; expected one ground");
+    if (def->dims != 3 || def->origin_edge != 0.0f)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "heights and meshes are for motions in 3D without origin cells");
+    if (material > def->n_materials)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the ground's material is %u; expected one of the def's %u materials",
+                         material, def->n_materials);
+    return def->mesh ? mesh_check(def->mesh, err) : heights_check(def->heights, err);
+}

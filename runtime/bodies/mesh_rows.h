@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// A mesh as kernels read it (kernels/dynamics/mesh_rows.h).
+#ifndef RUNTIME_MESH_ROWS_H
+#define RUNTIME_MESH_ROWS_H
+
+#include "runtime/duet.h"
+
+typedef struct mesh_rows {
+    uint32_t *triangles; // [n_triangles][MESH_TRIANGLE]
+    uint32_t *nodes;     // [n_nodes][MESH_NODE]
+    uint32_t n_triangles, n_nodes;
+} mesh_rows;
+
+// Makes the rows of a mesh that was checked. NO_MEMORY leaves none; free them whatever this
+// returns.
+bool mesh_rows_make(mesh_rows *rows, const duet_mesh *mesh, duet_error *err);
+void mesh_rows_free(mesh_rows *rows);
+
+#endif

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/narrowphase/mesh.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/vector.h"
+
+#include <math.h>
+
+// Squares of coordinates and products of short edges are numbers in float then.
+static const double farthest = 1e12, shortest = 1e-9;
+static const double thinnest = 0x1p-20; // height over length
+
+const char *mesh_vertex_fault(const float at[3])
+{
+    for (int k = 0; k < 3; ++k)
+        if (!(fabs((double)at[k]) <= farthest))
+            return "a coordinate is not a number from -1e12 to 1e12";
+    return NULL;
+}
+
+static double square_between(const float a[3], const float b[3])
+{
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k)
+        square += ((double)b[k] - (double)a[k]) * ((double)b[k] - (double)a[k]);
+    return square;
+}
+
+// Sets the product of two edges.
+static void set_product(const float a[3], const float b[3], const float c[3], double product[3])
+{
+    double u[3], v[3];
+    for (int k = 0; k < 3; ++k) {
+        u[k] = (double)b[k] - (double)a[k];
+        v[k] = (double)c[k] - (double)a[k];
+    }
+    cross(product, u, v);
+}
+
+const char *mesh_triangle_fault(const float a[3], const float b[3], const float c[3])
+{
+    double ab = square_between(a, b), bc = square_between(b, c), ca = square_between(c, a);
+    double product[3], least = fmin(ab, fmin(bc, ca)), most = fmax(ab, fmax(bc, ca));
+    set_product(a, b, c, product);
+    if (least < shortest * shortest)
+        return "two corners are less than 1e-9 apart";
+    if (!(sqrt(dot(product, product)) > thinnest * most))
+        return "the corners lie on a line";
+    return NULL;
+}
+
+void mesh_set_normal(const float a[3], const float b[3], const float c[3], double normal[3])
+{
+    set_product(a, b, c, normal);
+    double length = sqrt(dot(normal, normal));
+    for (int k = 0; k < 3; ++k)
+        normal[k] /= length;
+}
+
+// ---------------------------------------------------------------- checks
+
+static bool check_counts(const duet_mesh *m, duet_error *err)
+{
+    if (m->n_triangles == 0 || m->n_triangles > DUET_MOST_TRIANGLES ||
+        m->n_vertices > 3 * DUET_MOST_TRIANGLES)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the mesh has %u vertices and %u triangles; expected 1 to %u triangles, "
+                         "and at most 3 times as many vertices",
+                         m->n_vertices, m->n_triangles, DUET_MOST_TRIANGLES);
+    for (int k = 0; k < 3; ++k)
+        if (!(fabs(m->origin[k]) <= 1e30))
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%c of the mesh's origin is %g; expected from -1e30 to 1e30", "xyz"[k],
+                             m -> origin[k]);
+    return true;
+}
+
+static bool check_triangle(const duet_mesh *m, uint32_t i, duet_error *err)
+{
+    const uint32_t *t = m->triangles + 3 * (size_t)i;
+    for (int k = 0; k < 3; ++k)
+        if (t[k] >= m->n_vertices)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "triangle %u of the mesh has the vertex %u; expected one of %u "
+                             "vertices, from 0 on",
+                             i, t[k], m->n_vertices);
+    const char *fault =
+        mesh_triangle_fault(mesh_vertex(m, t[0]), mesh_vertex(m, t[1]), mesh_vertex(m, t[2]));
+    return !fault ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "triangle %u of the mesh: %s; expected a triangle with an area", i, fault);
+}
+
+bool mesh_check(const duet_mesh *m, duet_error *err)
+{
+    if (!check_counts(m, err))
+        return false;
+    if (!m->vertices || !m->triangles)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the mesh's %s are NULL",
+                         m->vertices ? "triangles" : "vertices");
+    for (uint32_t i = 0; i < m->n_vertices; ++i) {
+        const char *fault = mesh_vertex_fault(mesh_vertex(m, i));
+        if (fault)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "vertex %u of the mesh: %s", i, fault);
+    }
+    for (uint32_t i = 0; i < m->n_triangles; ++i)
+        if (!check_triangle(m, i, err))
+            return false;
+    return true;
+}
+
+size_t mesh_vertex_bytes(const duet_mesh *mesh)
+{
+    return (size_t)mesh->n_vertices * 3 * sizeof *mesh->vertices;
+}
+
+size_t mesh_triangle_bytes(const duet_mesh *mesh)
+{
+    return (size_t)mesh->n_triangles * 3 * sizeof *mesh->triangles;
+}
