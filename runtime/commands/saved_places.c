@@ -86,8 +86,7 @@ static bool take_head(duet_motion *copy, const saved_head *h, const char *path, 
                          "%s: the saved motion's attraction is %g; expected none or both of the "
                          "file's and the motion's to be 0",
                          path, d->attraction);
-    if (h->rows_stale > 1 || h->pushed > 1 ||
-        (h->pushed && !(copy->effects & DUET_EFFECT_FORCES)))
+    if (h->rows_stale > 1 || h->pushed > 1 || (h->pushed && !(copy->effects & DUET_EFFECT_FORCES)))
         return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's head has no such word",
                          path);
     return true;

@@ -1,0 +1,603 @@
+// SPDX-License-Identifier: MIT
+// Bodies on a ground of triangles, against heights, boxes, closed forms and all triangles in
+// double.
+#include "support/mover.h"
+#include "support/test.h"
+
+#include "base/rng.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double slop = 0.005;
+
+enum { MOST_VERTICES = 30000, MOST_TRIANGLES = 30000 };
+
+// ---------------------------------------------------------------- meshes
+
+typedef struct shape {
+    duet_mesh mesh;
+    uint32_t n_vertices, n_triangles;
+    float vertices[3 * MOST_VERTICES];
+    uint32_t triangles[3 * MOST_TRIANGLES];
+} shape;
+
+static shape *shape_new(void)
+{
+    shape *s = calloc(1, sizeof *s);
+    s->mesh = (duet_mesh){.vertices = s->vertices, .triangles = s->triangles};
+    return s;
+}
+
+static uint32_t add_vertex(shape *s, double x, double y, double z)
+{
+    assert_true(s->n_vertices < MOST_VERTICES);
+    float *at = s->vertices + 3 * s->n_vertices;
+    at[0] = (float)x;
+    at[1] = (float)y;
+    at[2] = (float)z;
+    s->mesh.n_vertices = s->n_vertices + 1;
+    return s->n_vertices++;
+}
+
+static void add_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c)
+{
+    assert_true(s->n_triangles < MOST_TRIANGLES);
+    uint32_t *t = s->triangles + 3 * s->n_triangles;
+    t[0] = a;
+    t[1] = b;
+    t[2] = c;
+    s->mesh.n_triangles = ++s->n_triangles;
+}
+
+// The triangles of a grid of n x n heights f about 0, as a ground of heights divides its cells.
+static void add_grid(shape *s, uint32_t n, double spacing, double (*height)(double x, double y))
+{
+    double half = (n - 1) * spacing / 2;
+    uint32_t first = s->n_vertices;
+    for (uint32_t i = 0; i < n * n; ++i) {
+        double x = i % n * spacing - half, y = i / n * spacing - half;
+        add_vertex(s, x, y, height(x, y));
+    }
+    for (uint32_t j = 0; j + 1 < n; ++j)
+        for (uint32_t i = 0; i + 1 < n; ++i) {
+            uint32_t a = first + j * n + i;
+            add_triangle(s, a, a + 1, a + n + 1);
+            add_triangle(s, a, a + n + 1, a + n);
+        }
+}
+
+// Each triangle with corners of its own, in any order, from any corner on: as a file has them.
+static shape *loosened(const shape *s, rng *r)
+{
+    shape *loose = shape_new();
+    loose->mesh.material = s->mesh.material;
+    memcpy(loose->mesh.origin, s->mesh.origin, sizeof s->mesh.origin);
+    uint32_t *order = malloc(s->n_triangles * sizeof *order);
+    for (uint32_t i = 0; i < s->n_triangles; ++i)
+        order[i] = i;
+    for (uint32_t i = s->n_triangles; i > 1; --i) {
+        uint32_t k = (uint32_t)rng_below(r, i), kept = order[k];
+        order[k] = order[i - 1];
+        order[i - 1] = kept;
+    }
+    for (uint32_t i = 0; i < s->n_triangles; ++i) {
+        uint32_t turn = (uint32_t)rng_below(r, 3), own[3];
+        for (uint32_t k = 0; k < 3; ++k) {
+            const float *v = s->vertices + 3 * s->triangles[3 * order[i] + (k + turn) % 3];
+            own[k] = add_vertex(loose, (double)v[0], (double)v[1], (double)v[2]);
+        }
+        add_triangle(loose, own[0], own[1], own[2]);
+    }
+    free(order);
+    return loose;
+}
+
+static double flat(double x, double y)
+{
+    (void)x;
+    (void)y;
+    return 0;
+}
+
+static rng drawn;
+
+static double rough(double x, double y)
+{
+    (void)x;
+    (void)y;
+    return rng_between(&drawn, -0.6, 0.6);
+}
+
+static double bowl(double x, double y)
+{
+    return 0.05 * (x * x + y * y);
+}
+
+static mover *on_mesh(const shape *s)
+{
+    mover *m = mover_new(3);
+    m->def.gravity[2] = -9.81;
+    m->def.slop = slop;
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTINUOUS;
+    m->def.mesh = s ? &s->mesh : NULL;
+    return m;
+}
+
+// ---------------------------------------------------------------- bodies
+
+enum { BALL, ROLLING_BALL, CAPSULE_ALONG, CAPSULE_ACROSS, ROUNDED, SHARP, KINDS };
+
+static uint32_t add_body(mover *m, int kind, double x, double y)
+{
+    static const double half[KINDS][4] = {
+        [BALL] = {0, 0, 0, 0.25},
+        [ROLLING_BALL] = {0, 0, 0, 0.25},
+        [CAPSULE_ALONG] = {0.3, 0, 0, 0.25},
+        [CAPSULE_ACROSS] = {0, 0.3, 0, 0.25},
+        [ROUNDED] = {0.2, 0.3, 0.1, 0.05},
+        [SHARP] = {0.2, 0.3, 0.15, 0},
+    };
+    const double *h = half[kind];
+    uint32_t id = mover_add(m, x, y, h[2] + h[3], h[0], h[1], h[2]);
+    m->bodies[id].radius = (float)h[3];
+    return id;
+}
+
+// ---------------------------------------------------------------- level
+
+// Triangles at random over a square: each is divided by a place within it, again and again.
+static void divide(shape *s, rng *r, uint32_t a, uint32_t b, uint32_t c, int depth)
+{
+    if (depth == 0) {
+        add_triangle(s, a, b, c);
+        return;
+    }
+    double u = rng_between(r, 0.2, 0.6), v = rng_between(r, 0.2, 0.9 - u), at[2];
+    for (int k = 0; k < 2; ++k)
+        at[k] = u * (double)s->vertices[3 * a + k] + v * (double)s->vertices[3 * b + k] +
+                (1 - u - v) * (double)s->vertices[3 * c + k];
+    uint32_t d = add_vertex(s, at[0], at[1], 0);
+    divide(s, r, a, b, d, depth - 1);
+    divide(s, r, b, c, d, depth - 1);
+    divide(s, r, c, a, d, depth - 1);
+}
+
+static shape *random_floor(rng *r, double half, uint32_t cells, int depth)
+{
+    shape *s = shape_new();
+    add_grid(s, cells + 1, 2 * half / cells, flat);
+    uint32_t n = s->n_triangles;
+    uint32_t *old = malloc(3 * n * sizeof *old);
+    memcpy(old, s->triangles, 3 * n * sizeof *old);
+    s->n_triangles = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        divide(s, r, old[3 * i], old[3 * i + 1], old[3 * i + 2], depth);
+    free(old);
+    return s;
+}
+
+// One big box under the same bodies is the truth.
+TEST(a_level_mesh_of_any_triangles_holds_as_a_box)
+{
+    rng r = rng_seed(test_seed());
+    shape *s = random_floor(&r, 10, 6, 3), *loose = loosened(s, &r);
+    for (int k = 0; k < 3; ++k) {
+        mover *m = on_mesh(k == 0 ? s : k == 1 ? loose : NULL);
+        for (int i = 0; i < 4 * KINDS; ++i) {
+            uint32_t id = add_body(m, i % KINDS, -6 + 2.1 * (i % 6), -6 + 3.3 * (i / 6.0));
+            m->poses[id].centre[2] += 0.3f;
+            mover_turn(m, id, 0, 0, 1, 0.7 * i);
+            m->bodies[id].friction = 0.5f;
+        }
+        uint32_t n = m->n;
+        if (k == 2)
+            m->bodies[mover_add(m, 0, 0, -1, 10, 10, 1)].mass = 0;
+        mover_run(m, 300);
+        for (uint32_t id = 0; id < n; ++id) {
+            assert_close(m->states[id].centre[2], (double)m->poses[id].centre[2] - 0.3, slop);
+            if (!(mover_speed(m, id) < 0.002))
+                fail_msg("ground %d: kind %u goes at %g m/s", k, id % KINDS, mover_speed(m, id));
+        }
+        mover_free(m);
+    }
+    free(s);
+    free(loose);
+}
+
+static void glide(const shape *s, double speed, double direction)
+{
+    mover *m = on_mesh(s);
+    double c = cos(direction), d = sin(direction);
+    for (int k = 0; k < KINDS; ++k) {
+        double along = -29, across = -5 + 2 * k;
+        uint32_t id = add_body(m, k, c * along - d * across, d * along + c * across);
+        mover_turn(m, id, 0, 0, 1, direction);
+        m->bodies[id].velocity[0] = (float)(c * speed);
+        m->bodies[id].velocity[1] = (float)(d * speed);
+        if (k == ROLLING_BALL) {
+            m->bodies[id].friction = 1;
+            m->bodies[id].angular_velocity[0] = (float)(-d * speed / 0.25);
+            m->bodies[id].angular_velocity[1] = (float)(c * speed / 0.25);
+        }
+    }
+    uint32_t steps = (uint32_t)(58 / speed / m->def.dt);
+    for (uint32_t i = 0; i < steps; i += 4) {
+        mover_run(m, 4);
+        for (int k = 0; k < KINDS; ++k) {
+            const duet_state *state = &m->states[k];
+            double kept = (c * state->velocity[0] + d * state->velocity[1]) / speed;
+            double hop = state->centre[2] - (double)m->poses[k].centre[2];
+            if (!(kept >= 0.98 && fabs(hop) <= slop))
+                fail_msg("kind %d at %g m/s along %g keeps %g and hops %g after %u steps", k, speed,
+                         direction, kept, hop, i);
+        }
+    }
+    mover_free(m);
+}
+
+TEST(nothing_trips_over_a_seam_of_a_mesh)
+{
+    static const double speeds[] = {1, 2, 5, 10};
+    rng r = rng_seed(test_seed());
+    shape *s = random_floor(&r, 32, 32, 1), *loose = loosened(s, &r);
+    for (int i = 0; i < 4; ++i)
+        glide(i % 2 ? s : loose, speeds[i], i % 2 ? 0 : 0.3);
+    glide(loose, 5, atan2(1, 1)); // along the lines that divide cells
+    free(s);
+    free(loose);
+}
+
+// ---------------------------------------------------------------- beside heights
+
+typedef struct field {
+    duet_heights heights;
+    float values[65 * 65];
+    shape *triangles;
+} field;
+
+// A grid of heights, and the same as a mesh.
+static field *field_new(uint32_t n, double spacing, double (*height)(double x, double y))
+{
+    field *f = calloc(1, sizeof *f);
+    double half = (n - 1) * spacing / 2;
+    f->triangles = shape_new();
+    add_grid(f->triangles, n, spacing, height);
+    for (uint32_t i = 0; i < n * n; ++i)
+        f->values[i] = f->triangles->vertices[3 * i + 2];
+    f->heights = (duet_heights){.nx = n,
+                                .ny = n,
+                                .origin = {-half, -half, 0},
+                                .spacing = {spacing, spacing},
+                                .heights = f->values};
+    return f;
+}
+
+static void field_free(field *f)
+{
+    free(f->triangles);
+    free(f);
+}
+
+static double least_of(const duet_contact *c)
+{
+    double least = INFINITY;
+    for (uint32_t k = 0; k < c->n; ++k)
+        least = fmin(least, (double)c->points[k].separation);
+    return least;
+}
+
+// Of the contacts of a body the one with that direction; NULL: none.
+static const duet_contact *same_contact(const duet_contact *list, uint64_t n,
+                                        const duet_contact *of)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        const float *p = list[i].normal, *q = of->normal;
+        double along =
+            (double)p[0] * (double)q[0] + (double)p[1] * (double)q[1] + (double)p[2] * (double)q[2];
+        if (list[i].a == of->a && along > 1 - 1e-5)
+            return &list[i];
+    }
+    return NULL;
+}
+
+// Contacts of fewer than four directions: of more some are left out, and which depends on the
+// order.
+static uint32_t count_of(const duet_contact *list, uint64_t n, uint32_t id)
+{
+    uint32_t count = 0;
+    for (uint64_t i = 0; i < n; ++i)
+        count += list[i].a == id;
+    return count;
+}
+
+static uint32_t compare_contacts(mover *m, mover *truth)
+{
+    duet_contact *contacts, *expected;
+    uint64_t n, n_expected;
+    uint32_t compared = 0;
+    mover_run(m, 1);
+    mover_run(truth, 1);
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
+    must(duet_motion_get_contacts(truth->motion, &expected, &n_expected, ERR));
+    for (uint64_t i = 0; i < n_expected; ++i) {
+        const duet_contact *e = &expected[i];
+        if (count_of(expected, n_expected, e->a) > 3 || count_of(contacts, n, e->a) > 3)
+            continue;
+        const duet_contact *c = same_contact(contacts, n, e);
+        if (!c)
+            fail_msg("body %u has no contact along %g %g %g, %g deep", e->a, (double)e->normal[0],
+                     (double)e->normal[1], (double)e->normal[2], -least_of(e));
+        // Which four of many points are kept depends on the order, by half a slop; what divides
+        // the ground below two triangles is upright under heights.
+        double bound = c->n > 2 || e->n > 2 || least_of(e) < 0 ? slop / 2 : 1e-5;
+        if (!(fabs(least_of(c) - least_of(e)) < bound))
+            fail_msg("body %u: %g deep by %u points, not %g by %u", e->a, -least_of(c), c->n,
+                     -least_of(e), e->n);
+        ++compared;
+    }
+    duet_free(contacts);
+    duet_free(expected);
+    return compared;
+}
+
+// How high the ground is at a place within the grid.
+static double height_at(const field *f, double x, double y)
+{
+    const duet_heights *h = &f->heights;
+    double u = (x - h->origin[0]) / h->spacing[0], v = (y - h->origin[1]) / h->spacing[1];
+    uint32_t i = (uint32_t)u, j = (uint32_t)v;
+    const float *at = h->heights + j * h->nx + i;
+    double a = (double)at[0], b = (double)at[1], c = (double)at[h->nx], d = (double)at[h->nx + 1];
+    u -= i;
+    v -= j;
+    return u >= v ? a + u * (b - a) + v * (d - b) : a + v * (c - a) + u * (d - c);
+}
+
+// The least height of points of a body's faces above the ground below them, less its radius.
+static double least_height(const field *f, const duet_pose *p)
+{
+    const double x = (double)p->rotation[0], y = (double)p->rotation[1];
+    const double z = (double)p->rotation[2], w = (double)p->rotation[3];
+    const double axis[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+                               {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+                               {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+    double least = INFINITY;
+    for (int i = 0; i < 5 * 5 * 5; ++i) {
+        double at[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = (double)p->centre[k];
+        const int along[3] = {i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2};
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < 3; ++k)
+                at[k] += 0.5 * along[a] * (double)p->half_extents[a] * axis[a][k];
+        least = fmin(least, at[2] - height_at(f, at[0], at[1]));
+    }
+    return least;
+}
+
+// Bodies at random that touch the ground or are just above it.
+static void place_at_random(mover *m, const field *f, uint64_t seed)
+{
+    rng r = rng_seed(seed);
+    while (m->n < 600) {
+        uint32_t id =
+            add_body(m, (int)m->n % KINDS, rng_between(&r, -3.2, 3.2), rng_between(&r, -3.2, 3.2));
+        mover_turn(m, id, rng_normal(&r), rng_normal(&r), rng_normal(&r), rng_between(&r, 0, 3));
+        m->poses[id].centre[2] = 0;
+        double radius = (double)m->bodies[id].radius, sunk = rng_between(&r, -0.03, 0.01);
+        m->poses[id].centre[2] = (float)(radius + sunk - least_height(f, &m->poses[id]));
+    }
+}
+
+TEST(contacts_are_those_of_heights)
+{
+    rng r = drawn = rng_seed(test_seed());
+    double (*const grounds[])(double, double) = {flat, bowl, rough};
+    for (int i = 0; i < 3; ++i) {
+        field *f = field_new(17, 0.5, grounds[i]);
+        shape *loose = loosened(f->triangles, &r);
+        mover *m = on_mesh(loose), *truth = on_mesh(NULL);
+        truth->def.heights = &f->heights;
+        truth->def.wants = m->def.wants = DUET_EFFECT_CONTACT | DUET_EFFECT_RADIUS;
+        place_at_random(m, f, test_seed());
+        place_at_random(truth, f, test_seed());
+        assert_true(compare_contacts(m, truth) > 100);
+        mover_free(m);
+        mover_free(truth);
+        free(loose);
+        field_free(f);
+    }
+}
+
+// ---------------------------------------------------------------- all triangles, in double
+
+typedef struct vector {
+    double x, y, z;
+} vector;
+
+static vector less(vector a, vector b)
+{
+    return (vector){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static double dot(vector a, vector b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static vector corner_at(const shape *s, uint32_t triangle, int k)
+{
+    const float *v = s->vertices + 3 * s->triangles[3 * triangle + k];
+    return (vector){(double)v[0], (double)v[1], (double)v[2]};
+}
+
+static double square_to_edge(vector p, vector a, vector b)
+{
+    vector along = less(b, a), way = less(p, a);
+    double t = fmax(0, fmin(1, dot(way, along) / dot(along, along)));
+    vector apart = {way.x - t * along.x, way.y - t * along.y, way.z - t * along.z};
+    return dot(apart, apart);
+}
+
+static double distance_to(vector p, vector a, vector b, vector c)
+{
+    vector u = less(b, a), v = less(c, a), w = less(p, a);
+    double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), wu = dot(w, u), wv = dot(w, v);
+    double det = uu * vv - uv * uv, s = (vv * wu - uv * wv) / det, t = (uu * wv - uv * wu) / det;
+    if (s >= 0 && t >= 0 && s + t <= 1) {
+        vector apart = {w.x - s * u.x - t * v.x, w.y - s * u.y - t * v.y, w.z - s * u.z - t * v.z};
+        return sqrt(dot(apart, apart));
+    }
+    return sqrt(
+        fmin(square_to_edge(p, a, b), fmin(square_to_edge(p, b, c), square_to_edge(p, c, a))));
+}
+
+static double distance_to_mesh(const shape *s, vector p)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < s->n_triangles; ++i)
+        least =
+            fmin(least, distance_to(p, corner_at(s, i, 0), corner_at(s, i, 1), corner_at(s, i, 2)));
+    return least;
+}
+
+// A star about a place: a ball whose places are pulled and pushed along its radii.
+static void add_star(shape *s, rng *r, vector at, double radius, uint32_t n)
+{
+    uint32_t first = s->n_vertices;
+    for (uint32_t j = 0; j <= n; ++j)
+        for (uint32_t i = 0; i < (j % n ? 2 * n : 1); ++i) {
+            double up = acos(-1.0) * j / n, about = acos(-1.0) * i / n;
+            double far = radius * rng_between(r, 0.7, 1.3);
+            add_vertex(s, at.x + far * sin(up) * cos(about), at.y + far * sin(up) * sin(about),
+                       at.z - far * cos(up));
+        }
+    for (uint32_t i = 0; i < 2 * n; ++i) {
+        uint32_t next = (i + 1) % (2 * n), last = s->n_vertices - 1, row = first + 1;
+        add_triangle(s, first, row + next, row + i);
+        for (uint32_t j = 1; j + 1 < n; ++j, row += 2 * n) {
+            add_triangle(s, row + i, row + next, row + 2 * n + next);
+            add_triangle(s, row + i, row + 2 * n + next, row + 2 * n + i);
+        }
+        add_triangle(s, row + i, row + next, last);
+    }
+}
+
+// The nearest contact of each ball, from what a step without response says; INFINITY: none.
+static void least_separations(mover *m, double *least)
+{
+    duet_contact *contacts;
+    uint64_t n;
+    mover_run(m, 1);
+    for (uint32_t id = 0; id < m->n; ++id)
+        least[id] = INFINITY;
+    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
+    for (uint64_t i = 0; i < n; ++i)
+        if (contacts[i].b == m->n + 6)
+            least[contacts[i].a] = fmin(least[contacts[i].a], least_of(&contacts[i]));
+    duet_free(contacts);
+}
+
+// Balls outside of stars, whose triangles look in all directions. Contacts end by a slack before
+// the margin.
+TEST(balls_are_as_far_from_a_mesh_as_from_all_its_triangles)
+{
+    rng r = rng_seed(test_seed());
+    double *least = malloc(MOVER_MOST * sizeof *least);
+    uint32_t touching = 0;
+    for (int round = 0; round < 4; ++round) {
+        shape *star = shape_new();
+        for (int i = 0; i < 3; ++i)
+            add_star(star, &r, (vector){2.8 * i - 2.8, 0, 0.5}, 1, 4 + 4 * (uint32_t)round);
+        shape *loose = loosened(star, &r);
+        mover *m = on_mesh(round % 2 ? star : loose);
+        m->def.wants = DUET_EFFECT_CONTACT | DUET_EFFECT_RADIUS;
+        m->def.slop = 0.02;
+        m->def.gravity[2] = 0;
+        m->def.doubles = round == 3;
+        while (m->n < 1000) {
+            vector at = {rng_between(&r, -4.7, 4.7), rng_between(&r, -1.8, 1.8),
+                         rng_between(&r, -1.3, 2.3)};
+            double middle = 2.8 * fmax(-1, fmin(1, rint(at.x / 2.8)));
+            if (hypot(hypot(at.x - middle, at.y), at.z - 0.5) < 1.31) // it may be within a star
+                continue;
+            uint32_t id = mover_add(m, at.x, at.y, at.z, 0, 0, 0);
+            m->bodies[id].radius = (float)rng_between(&r, 0.05, 0.4);
+        }
+        least_separations(m, least);
+        for (uint32_t id = 0; id < m->n; ++id) {
+            const float *c = m->poses[id].centre;
+            double expected =
+                distance_to_mesh(star, (vector){(double)c[0], (double)c[1], (double)c[2]}) -
+                (double)m->bodies[id].radius;
+            touching += least[id] < INFINITY;
+            if (expected < 0.0799 || least[id] < INFINITY)
+                if (!(fabs(least[id] - expected) < 0x1p-16))
+                    fail_msg("round %d, ball %u: %g apart, not %g", round, id, least[id], expected);
+        }
+        mover_free(m);
+        free(star);
+        free(loose);
+    }
+    assert_true(touching > 200);
+    free(least);
+}
+
+// ---------------------------------------------------------------- solids
+
+static void add_cuboid(shape *s, vector at, vector half)
+{
+    static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                          {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                          {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    uint32_t first = s->n_vertices;
+    for (int i = 0; i < 8; ++i)
+        add_vertex(s, at.x + (i & 1 ? half.x : -half.x), at.y + (i & 2 ? half.y : -half.y),
+                   at.z + (i & 4 ? half.z : -half.z));
+    for (int i = 0; i < 12; ++i)
+        add_triangle(s, first + faces[i][0], first + faces[i][1], first + faces[i][2]);
+}
+
+// Planks over the edges of a step, balls that roll against it and over its rim: a mesh holds, stops
+// and lets fall what two boxes do.
+TEST(a_step_of_triangles_is_one_of_boxes)
+{
+    shape *s = shape_new();
+    add_cuboid(s, (vector){0, 0, -1}, (vector){9, 9, 1});
+    add_cuboid(s, (vector){0, 0, 0.25}, (vector){2, 2, 0.25});
+    duet_state states[2][16];
+    for (int k = 0; k < 2; ++k) {
+        mover *m = on_mesh(k == 0 ? s : NULL);
+        for (int i = 0; i < 4; ++i) { // planks: two hold on the step, two tip over its edge
+            mover_add(m, i % 2 ? 1.8 : -2.3, i < 2 ? -1 : 1, 0.6, 0.8, 0.3, 0.1);
+        }
+        for (int i = 0; i < 4; ++i) { // balls: two against the step, two over its edge
+            uint32_t id =
+                mover_add(m, i % 2 ? 4 : 0, i < 2 ? -0.4 : 0.4, i % 2 ? 0.3 : 0.8, 0, 0, 0);
+            m->bodies[id].radius = 0.3f;
+            m->bodies[id].velocity[0] = i % 2 ? -2 : 2;
+        }
+        uint32_t n = m->n;
+        if (k == 1) {
+            mover_add(m, 0, 0, -1, 9, 9, 1);
+            mover_add(m, 0, 0, 0.25, 2, 2, 0.25);
+        }
+        for (uint32_t id = 0; id < m->n; ++id)
+            m->bodies[id].friction = 0.5f; // with the mesh bodies have their own
+        for (uint32_t id = n; id < m->n; ++id)
+            m->bodies[id].mass = 0;
+        mover_run(m, 150);
+        memcpy(states[k], m->states, n * sizeof *m->states);
+        mover_free(m);
+    }
+    for (int id = 0; id < 8; ++id)
+        for (int k = 0; k < 3; ++k)
+            if (!(fabs(states[0][id].centre[k] - states[1][id].centre[k]) < 0.02))
+                fail_msg("body %d: %c is %g, not %g", id, "xyz"[k], states[0][id].centre[k],
+                         states[1][id].centre[k]);
+    free(s);
+}
+
+TEST_MAIN(mover_open_pair, mover_close_pair)
