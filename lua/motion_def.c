@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // A motion's def as a table, and effects by their names.
 #include "lua/motion.h"
+#include "runtime/scene/mesh_file.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/scene_heights.h"
 #include "runtime/scene/scene_materials.h"
+#include "runtime/scene/scene_mesh.h"
 
 #include <lauxlib.h>
 
@@ -92,6 +94,34 @@ static void read_heights(lua_State *L, const member *m, void *at)
 
 static const member_type member_heights = {.read = read_heights};
 
+static int free_mesh(lua_State *L)
+{
+    mesh_file_free(lua_touserdata(L, 1));
+    return 0;
+}
+
+// mesh = { file = "drum.stl" }: kept likewise.
+static void read_mesh(lua_State *L, const member *m, void *at)
+{
+    duet_error why = {0};
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table of file and scale, or vertices and triangles");
+    duet_mesh *mesh = lua_newuserdatauv(L, sizeof *mesh, 0);
+    *mesh = (duet_mesh){0};
+    lua_createtable(L, 0, 1);
+    lua_pushcfunction(L, free_mesh);
+    lua_setfield(L, -2, "__gc");
+    lua_setmetatable(L, -2);
+    lua_pushvalue(L, -2);
+    if (!mesh_read(L, mesh, NULL, &why))
+        luaL_error(L, "field 'mesh': %s", why.text);
+    lua_pop(L, 1);
+    *(const duet_mesh **)at = mesh;
+    lua_setfield(L, LUA_REGISTRYINDEX, "duet mesh");
+}
+
+static const member_type member_mesh = {.read = read_mesh};
+
 // script = function(step, motion): kept beside the pair.
 static void read_script(lua_State *L, const member *m, void *at)
 {
@@ -154,6 +184,7 @@ const member motion_def_members[] = {
     {"materials", &member_materials, 0, sizeof(duet_motion_def), NULL},
     {"material_pairs", &member_material_pairs, 0, sizeof(duet_motion_def), NULL},
     MEMBER(member_heights, duet_motion_def, heights),
+    MEMBER(member_mesh, duet_motion_def, mesh),
     MEMBER(member_bool, duet_motion_def, stage_times),
     {0},
 };

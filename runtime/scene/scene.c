@@ -4,6 +4,7 @@
 
 #include "base/budget.h"
 #include "base/error.h"
+#include "runtime/scene/mesh_file.h"
 #include "base/text.h"
 #include "runtime/narrowphase/origin.h"
 
@@ -36,6 +37,7 @@ void duet_scene_destroy(duet_scene *scene)
     free(scene->given);
     free(scene->bodies);
     free(scene->height_values);
+    mesh_file_free(&scene->mesh);
     free(scene);
 }
 

@@ -32,6 +32,7 @@ struct duet_scene {
     bool has_body;
     duet_heights heights; // motion.heights, if there is a ground
     float *height_values;
+    duet_mesh mesh; // motion.mesh, likewise
     struct scene_body *given; // bodies of single objects, as far as given
     uint32_t n_given;
     uint32_t given_capacity;

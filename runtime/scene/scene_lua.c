@@ -618,6 +618,7 @@ static const struct {
     {"body", scene_read_body},
     {"gravity", scene_read_gravity},
     {"heights", scene_read_heights},
+    {"mesh", scene_read_mesh},
     {"origin", scene_read_origin},
     {"attraction", scene_read_attraction},
     {"boundary", scene_read_boundary},

@@ -44,6 +44,7 @@ bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err)
 // The scene's own fields of motion, each read from the table at index 1.
 void scene_read_body(lua_State *L, scene_reading *reading);
 void scene_read_heights(lua_State *L, scene_reading *reading);
+void scene_read_mesh(lua_State *L, scene_reading *reading);
 void scene_read_gravity(lua_State *L, scene_reading *reading);
 void scene_read_origin(lua_State *L, scene_reading *reading);
 void scene_read_attraction(lua_State *L, scene_reading *reading);

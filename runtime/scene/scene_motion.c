@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "gen/field.h"
 #include "runtime/scene/scene_heights.h"
+#include "runtime/scene/scene_mesh.h"
 
 #include <lauxlib.h>
 #include <math.h>
@@ -200,6 +201,18 @@ void scene_read_heights(lua_State *L, scene_reading *reading)
         field_raise(L, "heights", "heights: %s", fault);
     scene->heights.heights = scene->height_values;
     scene->motion.heights = &scene->heights;
+    lua_pop(L, 1);
+}
+
+void scene_read_mesh(lua_State *L, scene_reading *reading)
+{
+    duet_scene *scene = reading->scene;
+    duet_error why = {0};
+    if (!field_push(L, 1, "mesh", LUA_TTABLE))
+        return;
+    if (!mesh_read(L, &scene->mesh, reading->path, &why))
+        field_raise(L, "mesh", "mesh: %s", why.text);
+    scene->motion.mesh = &scene->mesh;
     lua_pop(L, 1);
 }
 

@@ -323,6 +323,8 @@ static uint32_t compare_contacts(mover *m, mover *truth)
     must(duet_motion_get_contacts(truth->motion, &expected, &n_expected, ERR));
     for (uint64_t i = 0; i < n_expected; ++i) {
         const duet_contact *e = &expected[i];
+        if (least_of(e) > slop) // a mesh is not solid below what it passes
+            continue;
         if (count_of(expected, n_expected, e->a) > 3 || count_of(contacts, n, e->a) > 3)
             continue;
         const duet_contact *c = same_contact(contacts, n, e);
