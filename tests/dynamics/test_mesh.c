@@ -602,4 +602,294 @@ TEST(a_step_of_triangles_is_one_of_boxes)
     free(s);
 }
 
+// ---------------------------------------------------------------- nothing falls through
+
+static void add_thrown(mover *m, rng *r, int kind)
+{
+    uint32_t id = add_body(m, kind, rng_between(r, -6, 6), rng_between(r, -6, 6));
+    duet_body *b = &m->bodies[id];
+    m->poses[id].centre[2] = (float)rng_between(r, 2, 8);
+    mover_turn(m, id, rng_normal(r), rng_normal(r), rng_normal(r), rng_between(r, 0, 3));
+    b->friction = (float)rng_between(r, 0, 1);
+    b->restitution = (float)rng_between(r, 0, 0.5);
+    for (int k = 0; k < 3; ++k) {
+        b->velocity[k] = (float)(rng_normal(r) * (k == 2 ? 20 : 2));
+        b->angular_velocity[k] = (float)(rng_normal(r) * 5);
+    }
+}
+
+// Thrown down at up to 60 m/s, among others: no centre falls below a ground that is one triangle
+// thick.
+TEST(nothing_falls_through_a_mesh)
+{
+    rng r = drawn = rng_seed(test_seed());
+    field *f = field_new(65, 0.5, rough);
+    mover *m = on_mesh(f->triangles);
+    for (int k = 0; k < 120; ++k)
+        add_thrown(m, &r, k % KINDS);
+    for (int i = 0; i < 60; ++i) {
+        mover_run(m, 5);
+        mover_assert_finite(m);
+        for (uint32_t id = 0; id < m->n; ++id) {
+            const double *c = m->states[id].centre;
+            bool over = fabs(c[0]) < 15.9 && fabs(c[1]) < 15.9;
+            double above = over ? c[2] - height_at(f, c[0], c[1]) : 0;
+            if (!(above > -0.05)) // it may be pushed so deep by what falls on it
+                fail_msg("kind %u is %g below the ground after %d steps", id % KINDS, -above,
+                         5 * (i + 1));
+        }
+    }
+    field_free(f);
+}
+
+// A box of triangles that look inward: nothing leaves it.
+TEST(a_hollow_holds_what_is_in_it)
+{
+    rng r = rng_seed(test_seed());
+    shape *s = shape_new();
+    add_cuboid(s, (vector){0, 0, 0}, (vector){3, 3, 3});
+    for (uint32_t i = 0; i < s->n_triangles; ++i) {
+        uint32_t *t = s->triangles + 3 * i, kept = t[1];
+        t[1] = t[2];
+        t[2] = kept;
+    }
+    mover *m = on_mesh(s);
+    for (int k = 0; k < 60; ++k) {
+        add_thrown(m, &r, k % KINDS);
+        for (int axis = 0; axis < 3; ++axis)
+            m->poses[k].centre[axis] = (float)rng_between(&r, -2.4, 2.4);
+    }
+    for (int i = 0; i < 60; ++i) {
+        mover_run(m, 5);
+        mover_assert_finite(m);
+        for (uint32_t id = 0; id < m->n; ++id)
+            for (int axis = 0; axis < 3; ++axis)
+                if (!(fabs(m->states[id].centre[axis]) < 3))
+                    fail_msg("kind %u has its %c at %g after %d steps", id % KINDS, "xyz"[axis],
+                             m -> states[id].centre[axis], 5 * (i + 1));
+    }
+    free(s);
+}
+
+TEST(a_triangle_holds_on_one_side)
+{
+    shape *s = shape_new();
+    add_grid(s, 9, 1, flat);
+    mover *m = on_mesh(s);
+    uint32_t above = add_body(m, BALL, 1.2, 0.3), below = add_body(m, SHARP, -1.2, 0.3);
+    m->poses[below].centre[2] = -1;
+    m->bodies[below].velocity[2] = 7;
+    mover_run(m, 24); // at its highest point
+    assert_close(m->states[above].centre[2], 0.25, slop);
+    assert_close(m->states[below].centre[2], -1 + 7 * 0.4 - 9.81 / 2 * 0.16, 0.05);
+    mover_run(m, 120);
+    assert_close(m->states[below].centre[2], 0.15, 2 * slop);
+    free(s);
+}
+
+// ---------------------------------------------------------------- the same bits, kept
+
+static uint64_t hash_of(const field *f, uint32_t share, double skin, bool sleeps)
+{
+    rng r = rng_seed(11);
+    mover *m = on_mesh(f->triangles);
+    m->def.plan.share = share;
+    m->def.skin = skin;
+    m->def.wants |= sleeps ? DUET_EFFECT_SLEEP : 0;
+    for (int k = 0; k < 60; ++k)
+        add_thrown(m, &r, k % KINDS);
+    mover_run(m, 90);
+    return mover_hash(m);
+}
+
+TEST(any_share_and_any_skin_give_the_same_bits)
+{
+    drawn = rng_seed(3);
+    field *f = field_new(65, 0.5, rough);
+    uint64_t expected = hash_of(f, 0, 0, false);
+    assert_int_equal(hash_of(f, DUET_SHARE_ONE / 2, 0, false), expected);
+    assert_int_equal(hash_of(f, DUET_SHARE_ONE, 0.1, false), expected);
+    assert_int_equal(hash_of(f, 0, 0.3, false), expected);
+    assert_int_equal(hash_of(f, 0, 0.3, true), hash_of(f, DUET_SHARE_ONE / 3, 0.05, true));
+    field_free(f);
+}
+
+// Thirty bodies thrown on a mesh, which move for `steps`.
+static mover *thrown_on(const shape *s, int steps)
+{
+    rng r = rng_seed(5);
+    mover *m = on_mesh(s);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.skin = 0.1;
+    for (int k = 0; k < 30; ++k)
+        add_thrown(m, &r, k % KINDS);
+    if (steps > 0)
+        mover_run(m, steps);
+    return m;
+}
+
+// Loads into the motion itself, and into one whose mesh is another until then.
+TEST(a_saved_motion_takes_its_mesh_along_bit_for_bit)
+{
+    drawn = rng_seed(5);
+    field *f = field_new(33, 0.5, rough), *other = field_new(9, 1, flat);
+    mover *m = thrown_on(f->triangles, 100), *n = thrown_on(other->triangles, 3);
+    must(duet_motion_save(m->motion, "saved", ERR));
+    mover_run(m, 50);
+    uint64_t expected = mover_hash(m);
+    must(duet_motion_load(m->motion, "saved", ERR));
+    mover_run(m, 50);
+    assert_int_equal(mover_hash(m), expected);
+    must(duet_motion_load(n->motion, "saved", ERR));
+    mover_run(n, 50);
+    assert_int_equal(mover_hash(n), expected);
+    const duet_mesh *mesh = duet_motion_get_def(n->motion)->mesh;
+    assert_true(mesh->n_vertices == 33 * 33 && mesh->n_triangles == 2 * 32 * 32);
+    assert_memory_equal(mesh->triangles, f->triangles->triangles, 6 * 32 * 32 * sizeof(uint32_t));
+    field_free(f);
+    field_free(other);
+}
+
+static void refuse_load(mover *m, const char *says)
+{
+    duet_error err = {0};
+    assert_false(duet_motion_load(m->motion, "saved", &err));
+    if (!strstr(err.text, says) || strchr(err.text, '\n'))
+        fail_msg("'%s' does not say '%s' in a line", err.text, says);
+}
+
+TEST(heights_load_no_mesh_nor_the_reverse)
+{
+    field *f = field_new(9, 1, flat);
+    mover *m = thrown_on(f->triangles, 0), *n = thrown_on(NULL, 0);
+    n->def.heights = &f->heights;
+    mover_run(m, 1);
+    mover_run(n, 1);
+    must(duet_motion_save(m->motion, "saved", ERR));
+    refuse_load(n, "meshes: 1 in the file, 0 in the motion");
+    must(duet_motion_save(n->motion, "saved", ERR));
+    refuse_load(m, "meshes: 0 in the file, 1 in the motion");
+    field_free(f);
+}
+
+// Step by step until a replay ends or fails.
+static duet_status replay_status(mover *m)
+{
+    duet_error err = {0};
+    duet_replay *replay = duet_replay_create("recorded", &err);
+    assert_ok(replay, err);
+    duet_status status = DUET_STATUS_OK;
+    for (int i = 0; i < 40 && status == DUET_STATUS_OK; ++i) {
+        duet_motion_result result;
+        if (!duet_replay_advance(replay, m->motion, &result, &err))
+            status = err.status;
+    }
+    duet_replay_destroy(replay);
+    return status;
+}
+
+// The last replayed step compares the hash.
+TEST(a_recording_is_for_the_mesh_that_it_was_made_on)
+{
+    drawn = rng_seed(5);
+    field *f = field_new(33, 0.5, rough);
+    mover *m = thrown_on(f->triangles, 1);
+    must(duet_motion_save(m->motion, "begin", ERR));
+    must(duet_motion_record(m->motion, ERR));
+    mover_run(m, 40);
+    must(duet_motion_save_recording(m->motion, "recorded", ERR));
+    must(duet_motion_load(m->motion, "begin", ERR));
+    assert_int_equal(replay_status(m), DUET_STATUS_OK);
+    f->triangles->vertices[3 * 500 + 2] += 0x1p-10f;
+    mover *n = thrown_on(f->triangles, 1);
+    assert_int_equal(replay_status(n), DUET_STATUS_BAD_INPUT);
+    field_free(f);
+}
+
+TEST(a_mesh_is_one_partner_and_may_have_a_material)
+{
+    shape *s = shape_new();
+    add_grid(s, 9, 1, flat);
+    s->mesh.material = 1;
+    mover *m = on_mesh(s);
+    m->def.wants |= DUET_EFFECT_EVENTS;
+    m->def.n_materials = 1;
+    m->def.materials[1] = (duet_material){.friction = 1, .restitution = 0};
+    uint32_t id = add_body(m, SHARP, 0.3, 0.2), begins = 0;
+    m->bodies[id].velocity[0] = 1;
+    m->bodies[id].friction = 1;
+    m->poses[id].centre[2] += 0.1f;
+    for (int i = 0; i < 60; ++i) {
+        mover_run(m, 1);
+        for (uint64_t k = 0; k < m->last.n_events; ++k) {
+            assert_int_equal(m->last.events[k].b, m->n + 6);
+            begins += m->last.events[k].begins;
+        }
+    }
+    assert_int_equal(begins, 1);
+    assert_true(mover_speed(m, id) < 0.01);
+    free(s);
+}
+
+// ---------------------------------------------------------------- hostile meshes
+
+static void refuse(const mover *m, const shape *s, const char *says)
+{
+    duet_error err = {0};
+    duet_motion_def def = m->def;
+    def.mesh = &s->mesh;
+    assert_null(duet_motion_create(&def, m->poses, m->bodies, m->n, &err));
+    if (!strstr(err.text, says) || strchr(err.text, '\n'))
+        fail_msg("'%s' does not say '%s' in a line", err.text, says);
+}
+
+TEST(meshes_that_no_motion_can_have_are_refused_in_a_line)
+{
+    shape *s = shape_new();
+    field *f = field_new(3, 1, flat);
+    add_grid(s, 3, 1, flat);
+    mover *m = on_mesh(s);
+    mover_add_cube(m, 0, 0, 1, 1);
+    const duet_mesh right = s->mesh;
+    static const uint32_t counts[][2] = {{9, 0}, {9, UINT32_MAX}, {UINT32_MAX, 8}};
+    for (int i = 0; i < 3; ++i) {
+        s->mesh.n_vertices = counts[i][0];
+        s->mesh.n_triangles = counts[i][1];
+        refuse(m, s, "triangles; expected 1 to 16777216 triangles");
+        s->mesh = right;
+    }
+    s->mesh.vertices = NULL;
+    refuse(m, s, "the mesh's vertices are NULL");
+    s->mesh = right;
+    s->mesh.origin[1] = NAN;
+    refuse(m, s, "y of the mesh's origin is nan");
+    s->mesh = right;
+    static const float wrong[] = {NAN, INFINITY, 2e12f};
+    for (int i = 0; i < 3; ++i) {
+        float kept = s->vertices[7];
+        s->vertices[7] = wrong[i];
+        refuse(m, s, "vertex 2 of the mesh: a coordinate is not a number from -1e12 to 1e12");
+        s->vertices[7] = kept;
+    }
+    s->triangles[5] = 9;
+    refuse(m, s, "triangle 1 of the mesh has the vertex 9; expected one of 9 vertices");
+    s->triangles[5] = s->triangles[4];
+    refuse(m, s, "triangle 1 of the mesh: two corners are less than 1e-9 apart");
+    s->triangles[3] = 0;
+    s->triangles[4] = 1;
+    s->triangles[5] = 2;
+    refuse(m, s, "triangle 1 of the mesh: the corners lie on a line");
+    s->triangles[5] = 4;
+    m->def.heights = &f->heights;
+    refuse(m, s, "heights and a mesh; expected one ground");
+    m->def.heights = NULL;
+    s->mesh.material = 1;
+    refuse(m, s, "the ground's material is 1");
+    s->mesh.material = 0;
+    m->def.dims = 2;
+    refuse(m, s, "heights and meshes are for motions in 3D");
+    free(s);
+    field_free(f);
+}
+
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -61,6 +61,27 @@ holds("a def has a ground of heights", function()
   raises("field 'heights': material must be", with { nx = 2, ny = 2, values = { 1, 2, 3, 4 }, material = 16 })
 end)
 
+-- The same ground as two triangles.
+holds("a def has a mesh", function()
+  local cube <const> = { { 0, 0, 0.75, 0.5, 0.5, 0.5, 0, 0, 0, 1 } }
+  local smooth <const> = { { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, mask, 0, false, false } }
+  local function with(mesh)
+    return pair.motion, pair, cube, smooth, { gravity = { 0, 0, -10 }, wants = { "contact_response" }, mesh = mesh }
+  end
+  local mesh <const> = { vertices = { -20, -20, 2, 20, -20, -2, -20, 20, 2, 20, 20, -2 }, triangles = { 0, 1, 3, 0, 3, 2 } }
+  local make <const>, self, poses, bodies, def = with(mesh)
+  local motion <close> = assert(make(self, poses, bodies, def))
+  for _ = 1, 60 do assert(motion:advance()) end
+  local x, _, z = assert(motion:read()):get(0)
+  local slope <const> = 0.1 / (1 + 0.1 ^ 2) -- sine times cosine
+  equal(math.abs(x - 10 / 2 * slope) < 0.05, true)
+  equal(math.abs(z - (0.5 * math.sqrt(1.01) - 0.1 * x)) < 0.01, true)
+  raises("field 'mesh': 3, not a table of file and scale", with(3))
+  raises("field 'mesh': the fields are", with { vertex = {} })
+  raises("field 'mesh': vertices must be a list", with { vertices = { 1, 2 }, triangles = { 0, 1, 2 } })
+  raises("field 'mesh': none.stl: ", with { file = "none.stl" })
+end)
+
 -- Both slide at 4 m/s on a floor of material 1: mu g t is 0.1 (a pair) and 0.2 (min) of it.
 holds("bodies name materials of a table", function()
   local function slider(material) return { 4, 0, 0, 0, 0, 0, 1, 0, 9, 1, mask, 0, false, false, 0, 0, 0, 0, material } end

@@ -34,10 +34,15 @@ duet_motion *motions_make(int which, duet_device_pair *pair, duet_error *err)
         DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTINUOUS | DUET_EFFECT_EVENTS,
         DUET_EFFECT_CONTACT | DUET_EFFECT_ANGULAR_VELOCITY,
         DUET_EFFECT_CONTACT_RESPONSE,
+        DUET_EFFECT_CONTACT_RESPONSE,
     };
     static const float values[] = {0.5f, 0, 0.25f, 0, -0.5f, 0};
     static const duet_heights ground = {
         .nx = 3, .ny = 2, .origin = {-2, -2, 0}, .spacing = {2, 4}, .heights = values};
+    static const float vertices[] = {-2, -2, 0.5f, 2, -2, 0, 2, 2, -0.5f, -2, 2, 0};
+    static const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+    static const duet_mesh mesh = {
+        .n_vertices = 4, .n_triangles = 2, .vertices = vertices, .triangles = triangles};
     duet_motion_def def = duet_default_motion_def();
     duet_pose poses[BOXES];
     duet_body bodies[BOXES];
@@ -50,6 +55,7 @@ duet_motion *motions_make(int which, duet_device_pair *pair, duet_error *err)
     def.skin = which == 0 ? 0.1 : 0.0;
     def.gravity[def.dims - 1] = -9.81;
     def.heights = which == 3 ? &ground : NULL;
+    def.mesh = which == 4 ? &mesh : NULL;
     place(poses, bodies, def.dims - 1);
     return duet_motion_create(&def, poses, bodies, BOXES, err);
 }

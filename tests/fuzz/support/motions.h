@@ -6,7 +6,7 @@
 
 #include "runtime/duet.h"
 
-enum { MOTIONS = 4 };
+enum { MOTIONS = 5 };
 
 // On the devices that a world gets by default; NULL and the error's line where
 // that fails.
