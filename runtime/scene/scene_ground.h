@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What tables of grounds have in common: fields of the table on top of the stack.
+// Fields that tables of grounds have in common, each of the table on top of the stack.
 #ifndef RUNTIME_SCENE_GROUND_H
 #define RUNTIME_SCENE_GROUND_H
 

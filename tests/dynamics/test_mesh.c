@@ -288,7 +288,7 @@ static double least_of(const duet_contact *c)
     return least;
 }
 
-// Of the contacts of a body the one with that direction; NULL: none.
+// The contact of a body with that direction; NULL: none.
 static const duet_contact *same_contact(const duet_contact *list, uint64_t n,
                                         const duet_contact *of)
 {

@@ -10,6 +10,7 @@ local p = parameters {
   events = false,
   shocks = false,
   hills = false,
+  mesh = false,
   skin = 0.0,
   boundary = "walls", -- "periodic", "none"
   attraction = 0.0,
@@ -59,6 +60,16 @@ end
 local heights = { nx = 4, ny = 4, spacing = 2, origin = { -3, -3, 0 }, values = {} }
 for k = 1, 16 do heights.values[k] = k % 3 * 0.2 end
 
+-- The same places as triangles.
+local mesh = { vertices = {}, triangles = {}, origin = heights.origin }
+for k = 0, 15 do
+  local x, y = k % 4, k // 4
+  for _, value in ipairs { 2 * x, 2 * y, heights.values[k + 1] } do mesh.vertices[#mesh.vertices + 1] = value end
+  if x < 3 and y < 3 then
+    for _, vertex in ipairs { k, k + 1, k + 5, k, k + 5, k + 4 } do mesh.triangles[#mesh.triangles + 1] = vertex end
+  end
+end
+
 local wants = {}
 for _, name in ipairs { "sleep", "continuous", "events", "shocks" } do
   if p[name] then wants[#wants + 1] = name end
@@ -71,6 +82,7 @@ for k = 1, p.dims do lower[k], upper[k] = -8, 12 end
 return {
   dims = p.dims,
   heights = p.hills and heights or nil,
+  mesh = p.mesh and mesh or nil,
   boundary = p.boundary ~= "none" and p.boundary or nil,
   world = { lower = lower, upper = upper },
   gravity = p.attraction == 0 and vector(0, -9.81) or nil,

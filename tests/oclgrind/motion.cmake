@@ -28,7 +28,7 @@ function(state_of case steps device result)
 endfunction()
 
 set(launched "")
-set(cases_3 "2 --set hills=true") # a ground is three-dimensional
+set(cases_3 "2 --set hills=true" "2 --set mesh=true") # a ground is three-dimensional
 foreach(case ${cases_${DIMS}}
     "2 --set shocks=true"
     "3 --set sleep=true --set events=true"
