@@ -36,6 +36,13 @@ bool ground_read_numbers(lua_State *L, const char *name, double *to, int n)
     return ok;
 }
 
+bool ground_read_origin(lua_State *L, double to[3])
+{
+    bool is_list = lua_getfield(L, -1, "origin") != LUA_TNUMBER;
+    lua_pop(L, 1);
+    return is_list && ground_read_numbers(L, "origin", to, 3);
+}
+
 bool ground_read_material(lua_State *L, uint32_t *to)
 {
     bool is_left_out = lua_getfield(L, -1, "material") == LUA_TNIL;

@@ -14,6 +14,8 @@ bool ground_has_only(lua_State *L, const char *const names[]);
 // field. False for anything else.
 bool ground_read_numbers(lua_State *L, const char *name, double *to, int n);
 
+bool ground_read_origin(lua_State *L, double to[3]);
+
 // 0 if there is none.
 bool ground_read_material(lua_State *L, uint32_t *to);
 

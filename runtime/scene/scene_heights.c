@@ -52,10 +52,7 @@ const char *heights_read(lua_State *L, duet_heights *h)
         return "nx and ny must be whole numbers from 2 on, their product 2^26 at most";
     if (!ground_read_numbers(L, "spacing", h->spacing, 2))
         return "spacing must be a number, or two";
-    lua_getfield(L, -1, "origin");
-    bool is_list = !lua_isnumber(L, -1);
-    lua_pop(L, 1);
-    if (!is_list || !ground_read_numbers(L, "origin", h->origin, 3))
+    if (!ground_read_origin(L, h->origin))
         return "origin must be three numbers";
     if (!ground_read_material(L, &h->material))
         return "material must be the number of one of the materials";

@@ -129,7 +129,7 @@ bool mesh_read(lua_State *L, duet_mesh *mesh, const char *beside, duet_error *er
         return refuse(err, "a mesh has a file and its scale, or vertices and triangles");
     if (!(has_lists ? read_lists(L, mesh, err) : read_file(L, mesh, beside, err)))
         return false;
-    if (!ground_read_numbers(L, "origin", mesh->origin, 3))
+    if (!ground_read_origin(L, mesh->origin))
         return refuse(err, "origin must be three numbers");
     return ground_read_material(L, &mesh->material) ||
            refuse(err, "material must be the number of one of the materials");

@@ -388,7 +388,7 @@ static void place_at_random(mover *m, const field *f, uint64_t seed)
             add_body(m, (int)m->n % KINDS, rng_between(&r, -3.2, 3.2), rng_between(&r, -3.2, 3.2));
         mover_turn(m, id, rng_normal(&r), rng_normal(&r), rng_normal(&r), rng_between(&r, 0, 3));
         m->poses[id].centre[2] = 0;
-        double radius = (double)m->bodies[id].radius, sunk = rng_between(&r, -0.03, 0.01);
+        double radius = (double)m->bodies[id].radius, sunk = rng_between(&r, -0.01, 0.01);
         m->poses[id].centre[2] = (float)(radius + sunk - least_height(f, &m->poses[id]));
     }
 }
