@@ -277,11 +277,12 @@ bool part_fetch(part *p, duet_error *err)
     return ok;
 }
 
-// The pairs that the host decided stand at the span's end, and nowhere else.
+// The pairs that the host decided stand at the span's end, and nowhere else. Pairs of which no object
+// has an id are neither counted nor left.
 bool part_read_counted(part *p, duet_error *err)
 {
     uint64_t n = p->result.found.pairs, n_decided = p->result.span.n - p->result.counted.left;
-    if (p->result.counted.n == 0)
+    if (!p->task.ids || p->result.counted.left == n)
         return true;
     duet_pair *decided = malloc((size_t)n_decided * sizeof *decided + 1);
     if (!decided)
@@ -300,6 +301,6 @@ bool part_read_counted(part *p, duet_error *err)
         memcpy(all + n, decided, (size_t)n_decided * sizeof *decided);
     free(decided);
     p->result.span = ok ? (duet_span){all, n + n_decided} : (duet_span){0};
-    p->result.counted = (part_counted){0};
+    p->result.counted = (part_counted){.left = n};
     return ok;
 }

