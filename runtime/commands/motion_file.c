@@ -108,21 +108,36 @@ static bool add_buffer(duet_motion *m, const saved_head *h, motion_buffer which,
            error_set_cl(err, code, "%s: fetching %zu bytes", m->device->info.selector, bytes);
 }
 
-// Zeroes what no step reads of a contact: the points that it does not have. Buffers hold there what
-// they held before, and equal states shall have equal bytes.
-static void clear_spare(const duet_motion *m, const motion_saved *s, char *bytes)
+// The points that a contact does not have.
+static void clear_points(const duet_motion *m, const motion_saved *s, char *contacts)
 {
     const uint32_t *touches = s->at[TOUCHES];
     const uint32_t record = m->layout.record;
-    if (!s->at[CONTACTS])
-        return;
-    char *row = bytes + ((const char *)s->at[CONTACTS] - bytes);
+    char *row = contacts;
     for (uint32_t i = 0; i < s->n_contacts; ++i, row += record * sizeof(float)) {
         uint32_t points = touches[i] & TOUCH_POINTS;
         uint32_t used = points > 0 ? m->layout.head + points * m->layout.point : 0;
         if (used < record)
             memset(row + used * sizeof(float), 0, (record - used) * sizeof(float));
     }
+}
+
+// Contacts with walls have no return.
+static void clear_returns(const duet_motion *m, const motion_saved *s, char *returns)
+{
+    const uint32_t used = ((const uint32_t *)s->at[RETURN_STARTS])[m->n];
+    if (used < s->n_contacts)
+        memset(returns + used * sizeof(uint32_t), 0, (s->n_contacts - used) * sizeof(uint32_t));
+}
+
+// Zeroes what no step reads. Buffers hold there what they held before, and equal states shall have
+// equal bytes.
+static void clear_spare(const duet_motion *m, const motion_saved *s, char *bytes)
+{
+    if (!s->at[CONTACTS])
+        return;
+    clear_points(m, s, bytes + ((const char *)s->at[CONTACTS] - bytes));
+    clear_returns(m, s, bytes + ((const char *)s->at[RETURNS] - bytes));
 }
 
 static bool write_file(text *file, const char *path, duet_error *err)

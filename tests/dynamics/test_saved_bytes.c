@@ -47,7 +47,7 @@ static mover *make_pile(duet_device_pair *pair, int kind, const way *w)
     m->def.wants |= kind & COMMANDS ? DUET_EFFECT_FORCES | DUET_EFFECT_FILTER : 0;
     m->def.skin = kind & SKIN ? 0.1 : 0;
     m->def.origin_edge = kind & ORIGIN ? 8 : 0;
-    if (!(kind & WALLS))
+    if (kind & ORIGIN || !(kind & WALLS)) // origin cells know no walls
         m->def.boundary = DUET_BOUNDARY_NONE;
     return m;
 }
