@@ -132,7 +132,7 @@ static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *e
     cl_int code = CL_SUCCESS;
     if (d->quirks & DRIVER_IN_PLACE) {
         rows->bytes = (char *)rows->of->host + at;
-        return timeline_see(&m->times, "send", seen, 1, err);
+        return m->times.sent == SENT_SEEN || timeline_see(&m->times, "send", seen, 1, err);
     }
     ++m->times.n_waits;
     rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
