@@ -121,7 +121,8 @@ static void move_scene(scene *s, const int32_t by[3])
         memcpy(s->large_sweeps[i].direction, s->rays[i].direction, sizeof s->rays[i].direction);
         s->large_points[i] = (duet_large_point){s->points[i], {by[0], by[1], by[2]}};
     }
-    s->large_boxes[BOXES] = (duet_large_pose){s->boxes[0], {by[0] - 1000000000, by[1], 1 << 29}, 0};
+    s->large_boxes[BOXES] = (duet_large_pose){
+        s->boxes[0], {by[0] - 1000000000, by[1] + (1 << 28), 1 << 29}, 0}; // no ray goes there
 }
 
 static duet_tree *open_far_tree(uint32_t dims, uint32_t share, const duet_large_pose *boxes,
