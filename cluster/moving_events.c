@@ -132,7 +132,8 @@ void moving_find_events(moving *m, duet_error *own)
         add_touching(m, &m->domains[k], own);
         add_hits(m, &m->domains[k], own);
     }
-    qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
+    if (e->n_hits > 0)
+        qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
     if (is_well(own) && pair_list_sort(&e->before, own) && pair_list_sort(&e->now, own))
         pair_changes_find(&e->changes, &e->before, &e->now, own);
     m->told = told_of(e);
