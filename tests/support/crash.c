@@ -14,8 +14,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-const char *crash_test;
-
 enum { MOST_CALLS = 64, PATIENCE_S = 60 };
 
 static const int signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};

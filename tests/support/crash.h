@@ -4,7 +4,7 @@
 #ifndef TESTS_CRASH_H
 #define TESTS_CRASH_H
 
-// The test that runs, for what a crash says; NULL: not known.
+// The test that runs, for what a crash says; NULL: not known. test.c says it.
 extern const char *crash_test;
 
 #endif

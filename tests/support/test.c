@@ -20,6 +20,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+const char *crash_test;
+
 _Thread_local duet_error test_error;
 
 enum { MOST_TESTS = 64 };
