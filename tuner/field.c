@@ -7,6 +7,20 @@ void field_enter(field *f, duet_plan plan)
         f->plans[f->n++] = plan;
 }
 
+uint32_t field_find(const field *f, const duet_plan *plan)
+{
+    uint32_t i = 0;
+    while (i < f->n && !trial_log_same_plan(&f->plans[i], plan))
+        ++i;
+    return i;
+}
+
+void field_enter_new(field *f, const duet_plan *plan)
+{
+    if (field_find(f, plan) == f->n)
+        field_enter(f, *plan);
+}
+
 // Drops plans that are too slow to be worth another round.
 static void drop_hopeless(race *r, double hopeless)
 {

@@ -16,6 +16,10 @@ typedef struct field {
 
 // Beyond RACE_RIVALS none enters.
 void field_enter(field *f, duet_plan plan);
+void field_enter_new(field *f, const duet_plan *plan); // unless it is there
+
+// Returns the index of the plan; f->n if it is not there.
+uint32_t field_find(const field *f, const duet_plan *plan);
 
 // Races until it is decided or the stage's part of the budget is spent. A trial's time is the time
 // of the stages in focus or else the total, or A's own if A's variant is chosen. A plan that takes

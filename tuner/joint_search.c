@@ -89,23 +89,14 @@ static int by_time(const void *a, const void *b)
     return (x->total_ns > y->total_ns) - (x->total_ns < y->total_ns);
 }
 
-static bool has_entered(const field *f, const duet_plan *plan)
-{
-    bool entered = false;
-    for (uint32_t i = 0; i < f->n; ++i)
-        entered |= trial_log_same_plan(&f->plans[i], plan);
-    return entered;
-}
-
 // The best of many short times is mostly one that was lucky, so the best few race.
 static bool race_best_few(tuning *t, const search_history *h, duet_plan *best, duet_error *err)
 {
     field f = {0};
     for (uint32_t i = 0; i < h->n && f.n < FINALISTS; ++i) {
         duet_plan plan;
-        bool fits = !h->samples[i].failed && joint_space_plan(h->space, &h->samples[i], &plan);
-        if (fits && !has_entered(&f, &plan))
-            field_enter(&f, plan);
+        if (!h->samples[i].failed && joint_space_plan(h->space, &h->samples[i], &plan))
+            field_enter_new(&f, &plan);
     }
     if (f.n == 0)
         return true;

@@ -177,20 +177,6 @@ static expectation expect_plans(const tuning *t, const mode_found *founds, uint3
     return e;
 }
 
-static uint32_t find_plan(const field *f, const duet_plan *plan)
-{
-    uint32_t i = 1;
-    while (i < f->n && !trial_log_same_plan(&f->plans[i], plan))
-        ++i;
-    return i;
-}
-
-static void enter_new(field *f, const duet_plan *plan)
-{
-    if (find_plan(f, plan) == f->n)
-        field_enter(f, *plan);
-}
-
 // The single device and the shared plan once more, with its evened share, and the expected plans.
 static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared,
                            const expectation *e, field *f, duet_error *err)
@@ -200,9 +186,9 @@ static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
     field_enter(f, *alone);
     field_enter(f, *shared);
     if (even_out(t, shared, &even))
-        enter_new(f, &even);
+        field_enter_new(f, &even);
     for (uint32_t i = 0; i < e->n; ++i)
-        enter_new(f, &e->plans[i]);
+        field_enter_new(f, &e->plans[i]);
     return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
 }
 
@@ -212,7 +198,7 @@ static uint32_t best_finalist(const field *f, const expectation *e)
 {
     uint32_t best = race_best(&f->race, 1, f->n);
     for (uint32_t i = 0; i < e->n && best < f->n; ++i) {
-        uint32_t expected = find_plan(f, &e->plans[i]);
+        uint32_t expected = field_find(f, &e->plans[i]);
         if (expected < f->n && expected != best && f->race.rivals[expected].rounds > 0 &&
             race_compare(&f->race, best, expected).verdict != RACE_FASTER)
             best = expected;
