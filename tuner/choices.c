@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a tuning has to choose from.
+// The choices of a tuning.
 #include "tuner/tune.h"
 
 #include <stdio.h>

@@ -146,9 +146,9 @@ static bool fail_unmeasured(const tuning *t, duet_error *err)
     return error_copy(err, &t->failure);
 }
 
-// What to expect of two devices of one kind: the share by their units in the mode of the default
-// plan, or if that was not searched in the mode of the best shared plan; first with the kernels
-// that were chosen, then with the default ones, if these are among those to choose from.
+// The plans to expect of two devices of one kind: the share by their units in the mode of the
+// default plan, or if that was not searched in the mode of the best shared plan; first with the
+// kernels that were chosen, then with the default ones, if these are among those to choose from.
 typedef struct expectation {
     duet_plan plans[2];
     uint32_t n;

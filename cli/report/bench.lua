@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet bench` tells: the cases of a scene, or at the end the verdicts against earlier results.
+-- `duet bench` tells this: the cases of a scene, or at the end the verdicts against earlier results.
 --
 --   results, before   as --output has them; before is nil if nothing is compared
 --   scene             nil: the verdicts

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet devices` tells, of the object that --json prints.
+-- `duet devices` tells this, of the object that --json prints.
 local report = ...
 local line, bytes = report.line, report.bytes
 

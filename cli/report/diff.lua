@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles diff` tells of two profiles, of the object that --json prints.
+-- `duet profiles diff` tells this of two profiles, of the object that --json prints.
 local report = ...
 local line, number = report.line, report.number
 

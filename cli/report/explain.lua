@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet explain` tells of a scene, of the object that --json prints.
+-- `duet explain` tells this of a scene, of the object that --json prints.
 local report = ...
 local line = report.line
 

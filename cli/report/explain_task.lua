@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet explain --task` tells, of the object that --json prints.
+-- `duet explain --task` tells this, of the object that --json prints.
 local report = ...
 local line = report.line
 

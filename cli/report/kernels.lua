@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet source --list` tells, of the object that --json prints.
+-- `duet source --list` tells this, of the object that --json prints.
 local report = ...
 local line = report.line
 

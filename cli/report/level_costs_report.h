@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `duet accuracy` tells: a table, JSON, CSV, a plot.
+// `duet accuracy` tells this: a table, JSON, CSV, a plot.
 #ifndef CLI_LEVEL_COSTS_REPORT_H
 #define CLI_LEVEL_COSTS_REPORT_H
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet accuracy` tells of a still scene, of the object that --json prints.
+-- `duet accuracy` tells this of a still scene, of the object that --json prints.
 local report = ...
 local line, things, count = report.line, report.things, report.count
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet run --steps` tells before the first step: the scene, its effects, the devices, and where the plan is from.
+-- `duet run --steps` tells this before the first step: the scene, its effects, the devices, and where the plan is from.
 local report = ...
 local line, things = report.line, report.things
 

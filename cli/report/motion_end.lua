@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet run --steps` tells after the last step, of the object that --json prints; stages has its stages in order.
+-- `duet run --steps` tells this after the last step, of the object that --json prints; stages has its stages in order.
 local report = ...
 local line = report.line
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What a page is drawn with: HTML, tables and charts in SVG. Every text passes through `words`.
+-- Tools to draw a page: HTML, tables and charts in SVG. Every text passes through `words`.
 local report = ...
 local most_shown = report.most_shown
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles show` tells of a profile, of the object that --json prints.
+-- `duet profiles show` tells this of a profile, of the object that --json prints.
 local report = ...
 local number = report.number
 

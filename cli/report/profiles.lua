@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles list` tells: the profiles by device pair, those in use first.
+-- `duet profiles list` tells this: the profiles by device pair, those in use first.
 local report = ...
 local line, cut, count = report.line, report.cut, report.count
 

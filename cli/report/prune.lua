@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles prune` tells, of the object that --json prints.
+-- `duet profiles prune` tells this, of the object that --json prints.
 local report = ...
 
 return function(o)

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet-cluster` tells, of the object that --json prints; efficiency is there in a forecast alone.
+-- `duet-cluster` tells this, of the object that --json prints; efficiency is there in a forecast alone.
 local report = ...
 local line, count = report.line, report.count
 

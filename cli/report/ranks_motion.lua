@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet cluster` tells of a motion, of the object that --json prints.
+-- `duet cluster` tells this of a motion, of the object that --json prints.
 local report = ...
 local line, count = report.line, report.count
 

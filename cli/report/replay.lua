@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet tune --replay` tells, of the object that --json prints.
+-- `duet tune --replay` tells this, of the object that --json prints.
 local report = ...
 local line, count = report.line, report.count
 

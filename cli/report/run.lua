@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet run` tells of a still scene, of the object that --json prints, and:
+-- `duet run` tells this of a still scene, of the object that --json prints, and:
 --
 --   plan_given, accuracy_given   on the command line; a profile may have chosen a level by the accuracy
 --   tuning                       the command that measures a plan for this scene

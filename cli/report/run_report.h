@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `duet run` tells, to a person or as JSON.
+// `duet run` tells this, to a person or as JSON.
 #ifndef CLI_RUN_REPORT_H
 #define CLI_RUN_REPORT_H
 

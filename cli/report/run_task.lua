@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet run --task` tells, of the object that --json prints, and: tuning, the command that measures a plan.
+-- `duet run --task` tells this, of the object that --json prints, and: tuning, the command that measures a plan.
 local report = ...
 local line = report.line
 

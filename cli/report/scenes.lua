@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet scenes` tells, of the object that --json prints.
+-- `duet scenes` tells this, of the object that --json prints.
 local report = ...
 
 return function(o)

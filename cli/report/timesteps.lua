@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet accuracy` tells of a moving scene, of the object that --json prints.
+-- `duet accuracy` tells this of a moving scene, of the object that --json prints.
 local report = ...
 local line = report.line
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles show` tells of a profile's trials, their kernels, and the plans that no other beats.
+-- `duet profiles show` tells this of a profile's trials, their kernels, and the plans that no other beats.
 local report = ...
 local line, columns = report.line, report.columns
 

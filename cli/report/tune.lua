@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet tune` tells at its end, of the object that --json prints.
+-- `duet tune` tells this at its end, of the object that --json prints.
 local report = ...
 local text, number, list, cut, count = report.text, report.number, report.list, report.cut, report.count
 local line, columns, command = report.line, report.columns, report.command

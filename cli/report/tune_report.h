@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `duet tune` tells: a line while it measures, a row for each workload, and at the
+// `duet tune` tells this: a line while it measures, a row for each workload, and at the
 // end what the shares are worth. The rows are kept as the JSON that --json prints; the
 // table reads them back.
 #ifndef CLI_TUNE_REPORT_H

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What `duet profiles why` tells, of the object that --json prints.
+-- `duet profiles why` tells this, of the object that --json prints.
 local report = ...
 local line, number = report.line, report.number
 

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What reports for people are told with. A script adds lines and tables and returns `report.told`, which
+-- Words of reports for people. A script adds lines and tables and returns `report.told`, which
 -- rendering.c prints: a string is a line; a list is a table, first a letter for each column, l or r, then cells.
 local report = ...
 local text, number, count = report.text, report.number, report.count

@@ -14,7 +14,7 @@ end
 -- u = 2^-24, by the errors that OpenCL allows (an ulp is at most 2 u): erfc 16 ulp, log, exp and sqrt 3, a division 2.5.
 -- Let N1 and N2 be the normal distribution at d1 and d2, and f1 and f2 its density.
 --
--- What d1 is off by, d2 is off by too, and price f1 = paid f2: it leaves call and put as they are, whose next term is
+-- An error of d1 is in d2, too, and price f1 = paid f2: it leaves call and put as they are, whose next term is
 -- below u / 10. Left are, in u:
 --   of price N1: erfc 32 and the product 1, times price; its argument 2 |d1| f1 < 0.5, times price
 --   of paid N2: erfc 32 and the product 1, paid itself 7.4 (exp 6, its argument 0.4, the product 1), times paid N2

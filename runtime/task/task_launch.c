@@ -54,7 +54,7 @@ static void reset_results(task_launcher *l)
     }
 }
 
-// What is only written gets bytes that no launch leaves by chance, so that an earlier launch's
+// An array that is only written gets bytes that no launch leaves by chance, so that an earlier launch's
 // results are never taken for this one's.
 static void spoil_results(task_launcher *l)
 {
@@ -111,7 +111,7 @@ bool task_launch_check(task_launcher *l, duet_error *err)
 
 // ---------------------------------------------------------------- kernels
 
-// What the plan's text sets of the kernel.
+// The settings of the kernel in the plan's text.
 static bool read_settings(const task_side *s, const char *words, gen_setting *settings, variant *v,
                           uint32_t *n, duet_error *err)
 {

@@ -32,7 +32,7 @@ void task_launcher_close(task_launcher *l); // NULL does nothing
 // says before each launch; what that takes does not count. WRONG_RESULT as task_check.
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err);
 
-// What task_launch does before and behind the launch.
+// The parts of task_launch before and behind the launch.
 void task_launch_reset(task_launcher *l);
 bool task_launch_check(task_launcher *l, duet_error *err);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a plan that is looked up costs beside a fresh tuning and beside the default plan: --runs
+// The loss by a plan that is looked up, beside a fresh tuning and beside the default plan: --runs
 // sizes and scenes are drawn around a store of the paper's scene with a half, one, two and four
 // times --n objects. The plans step in turn.
 //

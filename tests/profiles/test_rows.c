@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a store keeps: devices, workloads, trials, profiles.
+// A store keeps devices, workloads, trials, profiles.
 #include "support/test.h"
 
 #include "profiles/profile.h"

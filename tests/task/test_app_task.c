@@ -163,7 +163,7 @@ TEST(sums_begin_with_nothing_in_each_run)
     count_at_shares(true);
 }
 
-// What is sent once is sent again once it is set.
+// An array that is sent once is sent again once it is set.
 static void table_at_shares(bool copies)
 {
     duet_task *t = open_text("return { kernel = 'pick', items = 1003, args = { table = { 'int2', "

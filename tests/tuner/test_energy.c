@@ -92,7 +92,7 @@ TEST(energy_and_time_have_best_plans_of_their_own)
     energy_meter_close(m);
 }
 
-// What each trial took is in the log, and comes back from its JSON.
+// Each trial's energy is in the log, and comes back from its JSON.
 TEST(each_trial_keeps_its_energy_beside_its_time)
 {
     trial_log log = {0}, again;

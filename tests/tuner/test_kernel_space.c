@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is free to be set of the kernels that a world really runs.
+// Parameters that can be set of the kernels that a world really runs.
 #include "support/test.h"
 
 #include "runtime/broadphase/kernel_space.h"

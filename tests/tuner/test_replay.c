@@ -192,7 +192,7 @@ static void record_plan(store *s, const char *session, double share, int a, int 
     must(profile_trial_add(s, session, &trial, NULL, &number, ERR));
 }
 
-// What brute force would have kept: every config of both devices at each share of a grid.
+// Keeps what brute force would have: every config of both devices at each share of a grid.
 static void record_joint(store *s)
 {
     int64_t pair_id, workload_id;

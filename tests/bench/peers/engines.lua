@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- What piles.lua and stacks.lua share: bodies written for the programs beside this file, and the programs run.
+-- Shared by piles.lua and stacks.lua: bodies written for the programs beside this file, and the programs run.
 -- A body is { centre, half_extents, rotation, radius, mass, velocity }; pile.h has the format.
 local engines = {}
 

@@ -4,9 +4,10 @@
 --     duet lua --trust tests/bench/peers/piles.lua DIR N STEPS ROUNDS
 --
 -- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built
--- are left out. Prints for each engine the processor time of a step in ms, the median of ROUNDS; how many boxes are awake after the last;
--- and then, in m, how deep the deepest two boxes are in each other, and a box in the floor.
--- One judge of all: the separation of two boxes along the best of 15 axes, in double.
+-- are left out. Prints for each engine the processor time of a step in ms, the median of ROUNDS; how
+-- many boxes are awake after the last; and then, in m, how deep the deepest two boxes are in each
+-- other, and a box in the floor. One judge of all: the separation of two boxes along the best of 15
+-- axes, in double.
 local duet = require "duet"
 
 local dir, n, steps, rounds = arg[1], arg[2] or 5000, arg[3] or 600, arg[4] or 3
