@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A task as a def in C: a table as a task file would return it, whose arrays the def holds.
+#define _POSIX_C_SOURCE 200809L // strdup
 #include "runtime/task/task_def.h"
 
 #include "base/error.h"
@@ -23,11 +24,17 @@ static void set_string(lua_State *L, const char *field, const char *value)
     lua_setfield(L, -2, field);
 }
 
+// The greatest number that Lua has stands for those above, which are refused, too.
+static void push_count(lua_State *L, uint64_t value)
+{
+    lua_pushinteger(L, (lua_Integer)(value < INT64_MAX ? value : INT64_MAX));
+}
+
 static void set_count(lua_State *L, const char *field, uint64_t value)
 {
     if (value == 0)
         return;
-    lua_pushinteger(L, (lua_Integer)(value < INT64_MAX ? value : INT64_MAX));
+    push_count(L, value);
     lua_setfield(L, -2, field);
 }
 
@@ -36,7 +43,7 @@ static void push_array(lua_State *L, const duet_task_arg_def *arg)
     lua_newtable(L);
     lua_pushstring(L, arg->type);
     lua_rawseti(L, -2, 1);
-    lua_pushinteger(L, (lua_Integer)(arg->elements < INT64_MAX ? arg->elements : INT64_MAX));
+    push_count(L, arg->elements);
     lua_rawseti(L, -2, 2);
     set_string(L, "access", arg->access);
     set_count(L, "halo", arg->halo);
@@ -81,7 +88,7 @@ static int push_task(lua_State *L)
     set_string(L, "kernel", def->kernel);
     set_string(L, "entry", def->entry);
     set_args(L, def);
-    lua_pushinteger(L, (lua_Integer)(def->items < INT64_MAX ? def->items : INT64_MAX));
+    push_count(L, def->items);
     lua_setfield(L, -2, "items");
     set_count(L, "work", def->work);
     set_string(L, "reference", def->reference);
@@ -192,9 +199,9 @@ static bool check_pointers(const duet_task_def *def, const char *call, duet_erro
 
 static char *copy(const char *chars, bool *ok)
 {
-    char *made = malloc(strlen(chars) + 1);
+    char *made = strdup(chars);
     *ok = *ok && made;
-    return made ? strcpy(made, chars) : NULL;
+    return made;
 }
 
 static bool copy_kernels(task *t, const duet_task_def *def)

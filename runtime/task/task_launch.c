@@ -54,8 +54,8 @@ static void reset_results(task_launcher *l)
     }
 }
 
-// An array that is only written gets bytes that no launch leaves by chance, so that an earlier launch's
-// results are never taken for this one's.
+// An array that is only written gets bytes that no launch leaves by chance, so that an earlier
+// launch's results are never taken for this one's.
 static void spoil_results(task_launcher *l)
 {
     enum { UNWRITTEN = 0xA5 };
