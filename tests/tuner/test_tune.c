@@ -229,10 +229,9 @@ TEST(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain)
 }
 
 // Says that both devices are equal, and starts there.
-static duet_tune_outcome tune_equal(fake *f)
+static duet_tune_outcome tune_equal(fake *f, const duet_tune_def *def)
 {
-    duet_tune_def def = fake_def(f);
-    tune_problem problem = fake_task(f, &def);
+    tune_problem problem = fake_task(f, def);
     problem.fair = problem.start = DUET_SHARE_ONE / 2;
     problem.fair_mode = DUET_MODE_SLAB;
     return tune_problem_fake(&problem);
@@ -252,7 +251,8 @@ TEST(equal_devices_share_fairly_on_a_noisy_machine)
                             .spike_most = 1.6},
                   .random = random,
                   .slowness = 1.2};
-        duet_tune_outcome outcome = tune_equal(&f);
+        duet_tune_def def = fake_def(&f);
+        duet_tune_outcome outcome = tune_equal(&f, &def);
         near += strcmp(outcome.verdict, "faster") == 0 &&
                 fabs(outcome.plan.share / 65536.0 - 0.5) <= 0.03;
         random = f.random;
@@ -278,10 +278,7 @@ TEST(equal_devices_keep_the_default_kernels_unless_others_are_proven_faster)
         duet_tune_def def = fake_def(&f);
         def.variants = variants;
         def.n_variants = 2;
-        tune_problem problem = fake_task(&f, &def);
-        problem.fair = problem.start = DUET_SHARE_ONE / 2;
-        problem.fair_mode = DUET_MODE_SLAB;
-        duet_tune_outcome outcome = tune_problem_fake(&problem);
+        duet_tune_outcome outcome = tune_equal(&f, &def);
         worse += strcmp(outcome.plan.variant_a, "auto") != 0 ||
                  strcmp(outcome.plan.variant_b, "auto") != 0;
         random = f.random;
@@ -314,7 +311,8 @@ TEST(devices_that_only_look_equal_are_told_apart)
     for (int i = 0; i < 50; ++i) {
         fake f = {.model = {.ratio = 1.5, .overhead = {0.02, 0.02}, .sigma = 0.03},
                   .random = random};
-        duet_tune_outcome outcome = tune_equal(&f);
+        duet_tune_def def = fake_def(&f);
+        duet_tune_outcome outcome = tune_equal(&f, &def);
         assert_true(simulated_excess(&f.model, outcome.plan.share) < 0.06);
         random = f.random;
     }
