@@ -150,9 +150,9 @@ static void print(const task *t, const rival *rivals, uint32_t runs)
 static bool compare(duet_device_pair *pair, task *t, const bench_options *options, duet_error *err)
 {
     rival *rivals = calloc(RIVALS, sizeof *rivals);
-    core_watch *cores = core_watch_open();
     if (!rivals)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for plans");
+    core_watch *cores = core_watch_open();
     bool ok = true;
     for (int i = 0; ok && i < N_NAMES; ++i) {
         rivals[i].name = names[i];
