@@ -106,13 +106,6 @@ static int close_program(void **state)
     return 0;
 }
 
-static int nothing_is_left(void **state)
-{
-    (void)state;
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
 static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
 {
     cl_int code = 0;
@@ -802,6 +795,6 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
 
 int main(void)
 {
-    test_each(NULL, nothing_is_left);
+    test_each(NULL, test_leaves_no_object);
     return test_run(open_program, close_program);
 }

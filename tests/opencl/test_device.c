@@ -67,13 +67,6 @@ static void refused(const char *selector, duet_status status, const char *says)
     must_fail(open_pair(selector, selector, ERR), status, says);
 }
 
-static int no_object_is_left(void **state)
-{
-    (void)state;
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
 TEST(every_listed_device_can_be_opened_by_its_selector)
 {
     duet_device_list *list = must(duet_device_list_create(ERR));
@@ -565,6 +558,6 @@ TEST(every_built_in_function_that_a_kernel_calls_is_declared)
 
 int main(void)
 {
-    test_each(NULL, no_object_is_left);
+    test_each(NULL, test_leaves_no_object);
     return test_run(NULL, NULL);
 }

@@ -6,6 +6,7 @@
 #include "gen/gen.h"
 #include "gen/script.h"
 #include "profiles/store.h"
+#include "runtime/opencl/device.h"
 #include "support/crash.h"
 
 #include <dirent.h>
@@ -64,6 +65,13 @@ int test_enter_folder(void **state)
     (void)state;
     test_make_folder(path);
     return chdir(path);
+}
+
+int test_leaves_no_object(void **state)
+{
+    (void)state;
+    assert_int_equal(device_live_objects(), 0);
+    return 0;
 }
 
 // What the test that runs was given, the latest first.

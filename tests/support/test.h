@@ -41,7 +41,8 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end);
 // Makes an empty folder within the program's own; path is absolute.
 void test_make_folder(char path[64]);
 
-int test_enter_folder(void **state); // one for each test, by test_each
+int test_enter_folder(void **state);     // one for each test, by test_each
+int test_leaves_no_object(void **state); // after each, likewise: fails if an OpenCL object is left
 
 // DUET_TEST_SEED where set, else a fixed one; printed, so that a failing run
 // can be repeated.

@@ -355,16 +355,9 @@ TEST(a_task_that_cannot_be_made_is_one_line)
     duet_device_pair_destroy(def.pair);
 }
 
-static int end_clean(void **state)
-{
-    (void)state;
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    test_each(test_enter_folder, end_clean);
+    test_each(test_enter_folder, test_leaves_no_object);
     return test_run(NULL, NULL);
 }

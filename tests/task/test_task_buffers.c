@@ -305,16 +305,9 @@ TEST(a_wrong_buffer_is_one_line)
     duet_device_pair_destroy(pair);
 }
 
-static int nothing_is_left(void **state)
-{
-    (void)state;
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    test_each(NULL, nothing_is_left);
+    test_each(NULL, test_leaves_no_object);
     return test_run(open_program, close_program);
 }

@@ -349,16 +349,9 @@ TEST(a_kernel_that_is_nowhere_or_wrong_is_one_line)
     expect_none(&def, DUET_STATUS_BAD_ARGUMENT, "a kernel's name is '../scale'");
 }
 
-static int end_clean(void **state)
-{
-    (void)state;
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
-    test_each(fill, end_clean);
+    test_each(fill, test_leaves_no_object);
     return test_run(NULL, NULL);
 }
