@@ -159,6 +159,10 @@ static void read_file(lua_State *L, task *t, const char *name, duet_error *why)
 {
     task_arg *arg = find_written(L, t);
     text path = {0}, bytes = {0};
+    if (!t->folder)
+        field_raise(L, "reference",
+                    "reference is '%.80s', but the task has no folder; expected a kernel's name",
+                    name);
     if (strchr(name, '/'))
         field_raise(L, "reference", "reference is '%.80s'; expected a file beside the task's",
                     name);

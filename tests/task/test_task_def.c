@@ -304,6 +304,14 @@ TEST(a_wrong_def_is_one_line)
     def = make_def();
     def.reference = "plain";
     expect_refused(&def, "there are a reference and expected values; expected one of them");
+    duet_task_arg_def one[2] = {args[0], args[3]};
+    one[1].expected = NULL;
+    def = make_def();
+    def.args = one;
+    def.n_args = 2;
+    def.reference = "right.bin";
+    expect_refused(&def,
+                   "reference is 'right.bin', but the task has no folder; expected a kernel's");
     def = make_def();
     def.kernel = "";
     expect_refused(&def, "kernel is too long or empty");
