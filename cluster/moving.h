@@ -8,7 +8,7 @@
 #define CLUSTER_MOVING_H
 
 #include "cluster/ranks.h"
-#include "runtime/duet.h"
+#include "runtime/dynamics/pair_list.h"
 
 typedef struct moving moving;
 
@@ -22,15 +22,12 @@ typedef struct moving_counts {
     uint32_t slowest_rank;      // of the last steps that were compared
 } moving_counts;
 
-// What this rank tells of the last step: contacts whose owner one of its domains owned then. The
-// memory is the motion's, until the next step.
+// This rank tells of the last step: contacts whose owner one of its domains owned then. All ascend,
+// and the memory is the motion's, until the next call that changes it.
 typedef struct moving_told {
-    const duet_event *events; // as are the others, ascending
-    uint64_t n_events;
-    const duet_pair *stays;
-    uint64_t n_stays;
+    const pair_changes *changes;
     const duet_hit_event *hits;
-    uint64_t n_hits;
+    size_t n_hits;
 } moving_told;
 
 // Says what a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's

@@ -71,7 +71,6 @@ struct moving {
     moving_domain *domains; // [parts]
     halo halo;
     moving_events events;
-    moving_told told;
     uint64_t n_ghosts; // of this rank
     uint64_t next_cut; // the first step after which the world may be cut anew
     moving_balance balance;

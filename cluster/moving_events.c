@@ -112,16 +112,6 @@ static void begin(moving_events *e)
     e->now.n = e->n_hits = 0;
 }
 
-static moving_told told_of(const moving_events *e)
-{
-    return (moving_told){.events = e->changes.events,
-                         .n_events = e->changes.n_events,
-                         .stays = e->changes.stays.pairs,
-                         .n_stays = e->changes.stays.n,
-                         .hits = e->hits,
-                         .n_hits = e->n_hits};
-}
-
 void moving_find_events(moving *m, duet_error *own)
 {
     moving_events *e = &m->events;
@@ -136,10 +126,13 @@ void moving_find_events(moving *m, duet_error *own)
         qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
     if (is_well(own) && pair_list_sort(&e->before, own) && pair_list_sort(&e->now, own))
         pair_changes_find(&e->changes, &e->before, &e->now, own);
-    m->told = told_of(e);
 }
 
+// The only domain's motion tells of all itself.
 moving_told moving_get_told(const moving *m)
 {
-    return m->told;
+    const motion_events *alone = &m->domains[0].motion->told;
+    const moving_events *e = &m->events;
+    return m->n_domains == 1 ? (moving_told){&alone->changes, alone->hits, alone->n_hits}
+                             : (moving_told){&e->changes, e->hits, e->n_hits};
 }

@@ -355,12 +355,6 @@ static bool step_alone(moving *m, duet_error *own)
         return false;
     m->counts.contacts = result.contacts;
     m->counts.colours = result.colours;
-    m->told = (moving_told){.events = result.events,
-                            .n_events = result.n_events,
-                            .stays = result.stays,
-                            .n_stays = result.n_stays,
-                            .hits = result.hits,
-                            .n_hits = result.n_hits};
     return true;
 }
 
