@@ -111,6 +111,12 @@ static inline bool moving_decides(const moving_domain *d, const moving_body *b)
     return b->own == d->number && moving_acts(b);
 }
 
+// Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
+static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
+{
+    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
+}
+
 // Returns the body at a place; NULL: a wall, or the ground.
 static inline const moving_body *moving_body_or_wall(const moving *m, const moving_domain *d,
                                                      uint32_t place)

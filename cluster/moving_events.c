@@ -32,11 +32,6 @@ static bool add_pair(const moving *m, pair_list *list, uint32_t owner, uint32_t 
     return true;
 }
 
-static bool owns(const moving *m, const moving_domain *d, uint32_t place)
-{
-    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
-}
-
 static bool tells(const moving *m)
 {
     return m->domains[0].motion->effects & DUET_EFFECT_EVENTS;
@@ -46,7 +41,7 @@ static void add_told(moving *m, const moving_domain *d, duet_error *own)
 {
     for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        if (c->told && owns(m, d, moving_place(m, d, c->owner)))
+        if (c->told && moving_owns(m, d, moving_place(m, d, c->owner)))
             add_pair(m, &m->events.now, c->owner, c->other, own);
     }
 }
@@ -69,7 +64,7 @@ static void add_touching(moving *m, const moving_domain *d, duet_error *own)
     else if (domain_read_told(d->motion, told, own))
         for (size_t i = 0; d->bodies.n > 0 && is_well(own) && i < e->links.n; ++i) {
             duet_pair link = e->links.pairs[i];
-            if (told[i] && owns(m, d, link.a))
+            if (told[i] && moving_owns(m, d, link.a))
                 add_pair(m, &m->events.now, moving_id(m, d, link.a), moving_id(m, d, link.b), own);
         }
     free(told);
@@ -93,7 +88,7 @@ static bool add_hits(moving *m, const moving_domain *d, duet_error *own)
         return false;
     for (size_t i = 0; i < n; ++i) {
         duet_hit_event hit = hits[i];
-        if (!owns(m, d, owner_of(m, d, &hit)))
+        if (!moving_owns(m, d, owner_of(m, d, &hit)))
             continue;
         hit.a = moving_id(m, d, hit.a);
         hit.b = moving_id(m, d, hit.b);
