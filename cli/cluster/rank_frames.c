@@ -108,9 +108,9 @@ bool rank_frames_add(rank_frames *f, uint64_t step, duet_error *err)
 {
     ranks *r = &f->cluster->ranks;
     text stem = {0};
-    if (!f->bodies.folder || !frame_is_due(f->bodies.n, (double)step * def_of(f)->dt))
+    const double time = (double)step * def_of(f)->dt;
+    if (!f->bodies.folder || !frame_is_due(f->bodies.n, time))
         return true;
-    double time = (double)step * def_of(f)->dt;
     bool ok = name_frame(f, &stem, err) && write_pieces(f, text_chars(&stem), time, err);
     ok = ranks_agree(r, ok, err) &&
          ranks_agree(r, name_pieces(f, text_chars(&stem), time, err), err);
