@@ -31,7 +31,7 @@ typedef struct moving_told {
 } moving_told;
 
 // Says what a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's
-// beginning, else a file that moving_save wrote, and that all ranks can read.
+// beginning, else a file that moving_save wrote, which rank 0 reads.
 typedef struct moving_start {
     const char *path;
     const duet_setting *settings;
@@ -42,7 +42,7 @@ typedef struct moving_start {
     uint32_t parts; // domains of each rank
 } moving_start;
 
-// Reads the scene on each rank and divides its bodies among domains. Returns NULL on all ranks
+// Reads the scene on rank 0 and divides its bodies among domains. Returns NULL on all ranks
 // after a failure of one.
 moving *moving_begin(ranks *r, const moving_start *start, duet_error *own);
 void moving_end(moving *m);

@@ -66,7 +66,7 @@ static void open_known(duet_motion *known, const moving_start *start, bool is_al
 
 // ---------------------------------------------------------------- the whole, on all ranks
 
-// What rank 0 tells the others of the scene.
+// The scene as rank 0 tells the others of it.
 typedef struct moving_whole {
     duet_motion_def def; // its pair, plan and heights are rank 0's alone
     duet_heights heights;

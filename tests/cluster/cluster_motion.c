@@ -56,7 +56,7 @@ typedef struct moving_scene {
     uint32_t saved_at;       // the step at which it is saved, and goes on from the file; 0: none
 } moving_scene;
 
-// What came of a motion: its state, and sums over all events of all steps.
+// A motion came to this: its state, and sums over all events of all steps.
 typedef struct outcome {
     uint64_t hash;
     uint64_t events, stays, hits; // how many

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet cluster --steps, --checkpoint and --resume as a person runs them: a job of which any rank is
 // killed, at any moment, ends soon with one line, and the same command goes on bit for bit. --all:
-// far more kills. Skipped where Duet was built without MPI.
+// far more kills. Skipped if Duet was built without MPI.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
 #include "support/program.h"

@@ -27,7 +27,7 @@ def run(command, frames):
 
 
 def rows_by_id(grid):
-    """What each body's cell has, its corners included."""
+    """Each body's cell: its data and its corners."""
     rows, first = {}, 0
     for i, end in enumerate(grid["offsets"]):
         points = [tuple(grid["points"][p]) for p in grid["connectivity"][first:end]]
