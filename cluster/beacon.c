@@ -11,7 +11,7 @@
 #include <sys/random.h>
 #include <unistd.h>
 
-// What each rank tells all others at the beginning.
+// Each rank tells it to all others at the beginning.
 typedef struct introduction {
     beacon_rank self;
     bool leads;    // the first on its host

@@ -78,10 +78,10 @@ bool duet_cluster_advance(duet_cluster *c, duet_cluster_motion_result *result, d
                                            .slowest_ms = counts.slowest_ms,
                                            .mean_ms = counts.mean_ms,
                                            .slowest_rank = counts.slowest_rank,
-                                           .events = told.events,
-                                           .n_events = told.n_events,
-                                           .stays = told.stays,
-                                           .n_stays = told.n_stays,
+                                           .events = told.changes->events,
+                                           .n_events = told.changes->n_events,
+                                           .stays = told.changes->stays.pairs,
+                                           .n_stays = told.changes->stays.n,
                                            .hits = told.hits,
                                            .n_hits = told.n_hits};
     return true;

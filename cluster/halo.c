@@ -143,7 +143,7 @@ static void close_rows(const moving *m, motion_rows *rows, bool changed, duet_er
             motion_rows_drop(&rows[d]);
 }
 
-// What is sent of a row.
+// A part of a row that is sent.
 typedef struct row_part {
     size_t at, bytes;
 } row_part;
@@ -257,8 +257,8 @@ static void tell_colours(halo *h, moving *m, halo_side *from, halo_side *to)
     parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
 }
 
-// Contacts that are here, too, leave a ghost right. Those without a colour of their own need not
-// all be.
+// Contacts that are here, too, leave a ghost right. Not all need be here of those without a colour
+// of their own.
 static uint32_t wrong_colours(uint32_t at_home, uint32_t here)
 {
     return at_home & ~(here & ((1u << HALO_COLOURS) - 1));

@@ -8,7 +8,7 @@
 #define CLUSTER_MOVING_H
 
 #include "cluster/ranks.h"
-#include "runtime/duet.h"
+#include "runtime/dynamics/pair_list.h"
 
 typedef struct moving moving;
 
@@ -22,19 +22,16 @@ typedef struct moving_counts {
     uint32_t slowest_rank;      // of the last steps that were compared
 } moving_counts;
 
-// What this rank tells of the last step: contacts whose owner one of its domains owned then. The
-// memory is the motion's, until the next step.
+// This rank tells of the last step: contacts whose owner one of its domains owned then. All ascend,
+// and the memory is the motion's, until the next call that changes it.
 typedef struct moving_told {
-    const duet_event *events; // as are the others, ascending
-    uint64_t n_events;
-    const duet_pair *stays;
-    uint64_t n_stays;
+    const pair_changes *changes;
     const duet_hit_event *hits;
-    uint64_t n_hits;
+    size_t n_hits;
 } moving_told;
 
 // Says what a motion over ranks begins with. plan NULL: the default one; resume NULL: the scene's
-// beginning, else a file that moving_save wrote, and that all ranks can read.
+// beginning, else a file that moving_save wrote, which rank 0 reads.
 typedef struct moving_start {
     const char *path;
     const duet_setting *settings;
@@ -45,7 +42,7 @@ typedef struct moving_start {
     uint32_t parts; // domains of each rank
 } moving_start;
 
-// Reads the scene on each rank and divides its bodies among domains. Returns NULL on all ranks
+// Reads the scene on rank 0 and divides its bodies among domains. Returns NULL on all ranks
 // after a failure of one.
 moving *moving_begin(ranks *r, const moving_start *start, duet_error *own);
 void moving_end(moving *m);

@@ -5,6 +5,7 @@
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
+#include "runtime/narrowphase/mesh.h"
 #include "runtime/scene/scene_bodies.h"
 
 #include <stdlib.h>
@@ -66,11 +67,11 @@ static void open_known(duet_motion *known, const moving_start *start, bool is_al
 
 // ---------------------------------------------------------------- the whole, on all ranks
 
-// What rank 0 tells the others of the scene.
+// The scene as rank 0 tells the others of it.
 typedef struct moving_whole {
-    duet_motion_def def; // its pair, plan and heights are rank 0's alone
-    duet_heights heights;
-    bool has_heights;
+    duet_motion_def def;  // its pair, plan and ground are rank 0's alone
+    duet_heights heights; // nx 0: none
+    duet_mesh mesh;       // n_triangles 0: none
     effect_facts facts;
     double extent;
     cl_int4 base; // the origin cell that others are counted from
@@ -81,33 +82,49 @@ typedef struct moving_whole {
 static moving_whole whole_of(const duet_motion *known)
 {
     moving_whole w = {.def = known->def,
-                      .has_heights = known->def.heights,
                       .facts = known->facts,
                       .extent = known->extent,
                       .n_all = known->n,
                       .step = known->step};
-    if (w.has_heights)
+    if (known->def.heights)
         w.heights = *known->def.heights;
+    if (known->def.mesh)
+        w.mesh = *known->def.mesh;
     if (known->cells)
         w.base = known->cells[0];
     return w;
 }
 
-static bool tell_heights(moving *m, moving_whole *w, float **values, duet_error *own)
+// Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
+// memory all ranks fail.
+static void *tell_array(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own)
 {
-    const size_t bytes = (size_t)w->heights.nx * w->heights.ny * sizeof **values;
-    if (!w->has_heights)
-        return true;
-    *values = malloc(bytes);
-    if (!*values)
+    if (bytes == 0 || !is_well(own))
+        return NULL;
+    void *copy = malloc(bytes);
+    if (!copy)
         error_set(own, DUET_STATUS_NO_MEMORY, "a ground: no memory");
     else if (m->ranks->self == 0)
-        memcpy(*values, w->heights.heights, bytes);
-    if (!ranks_agree(m->ranks, is_well(own), own))
-        return false;
-    ranks_broadcast(m->ranks, *values, bytes);
-    w->heights.heights = *values;
-    return true;
+        memcpy(copy, of_rank_0, bytes);
+    if (ranks_agree(m->ranks, is_well(own), own))
+        ranks_broadcast(m->ranks, copy, bytes);
+    return copy;
+}
+
+static void tell_ground(const moving *m, moving_whole *w, duet_error *own)
+{
+    duet_heights *h = &w->heights;
+    duet_mesh *mesh = &w->mesh;
+    h->heights = tell_array(m, h->heights, (size_t)h->nx * h->ny * sizeof *h->heights, own);
+    mesh->vertices = tell_array(m, mesh->vertices, mesh_vertex_bytes(mesh), own);
+    mesh->triangles = tell_array(m, mesh->triangles, mesh_triangle_bytes(mesh), own);
+}
+
+static void free_ground(const moving_whole *w)
+{
+    free((void *)w->heights.heights);
+    free((void *)w->mesh.vertices);
+    free((void *)w->mesh.triangles);
 }
 
 static void take_whole(moving *m, const moving_whole *w, const moving_start *start)
@@ -115,7 +132,8 @@ static void take_whole(moving *m, const moving_whole *w, const moving_start *sta
     m->def = w->def;
     m->def.pair = start->pair;
     m->def.plan = start->plan ? *start->plan : duet_default_plan(start->pair);
-    m->def.heights = w->has_heights ? &w->heights : NULL;
+    m->def.heights = w->heights.nx > 0 ? &w->heights : NULL;
+    m->def.mesh = w->mesh.n_triangles > 0 ? &w->mesh : NULL;
     m->facts = w->facts;
     m->extent = w->extent;
     m->base = w->base;
@@ -160,11 +178,11 @@ static bool open_all(moving *m, const duet_motion *known, const moving_start *st
                      duet_error *own)
 {
     moving_whole w = {0};
-    float *heights = NULL;
     if (known)
         w = whole_of(known);
     ranks_broadcast(m->ranks, &w, sizeof w);
-    bool ok = tell_heights(m, &w, &heights, own);
+    tell_ground(m, &w, own);
+    bool ok = is_well(own);
     if (ok) {
         take_whole(m, &w, start);
         open_domains(m, own);
@@ -173,7 +191,7 @@ static bool open_all(moving *m, const duet_motion *known, const moving_start *st
         ok = bisection_begin(&m->cuts, m->n_domains, own);
         ok = ranks_agree(m->ranks, is_well(own), own);
     }
-    free(heights);
+    free_ground(&w);
     return ok;
 }
 

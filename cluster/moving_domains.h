@@ -71,7 +71,6 @@ struct moving {
     moving_domain *domains; // [parts]
     halo halo;
     moving_events events;
-    moving_told told;
     uint64_t n_ghosts; // of this rank
     uint64_t next_cut; // the first step after which the world may be cut anew
     moving_balance balance;
@@ -110,6 +109,12 @@ static inline bool moving_acts(const moving_body *b)
 static inline bool moving_decides(const moving_domain *d, const moving_body *b)
 {
     return b->own == d->number && moving_acts(b);
+}
+
+// Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
+static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
+{
+    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
 }
 
 // Returns the body at a place; NULL: a wall, or the ground.

@@ -32,11 +32,6 @@ static bool add_pair(const moving *m, pair_list *list, uint32_t owner, uint32_t 
     return true;
 }
 
-static bool owns(const moving *m, const moving_domain *d, uint32_t place)
-{
-    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
-}
-
 static bool tells(const moving *m)
 {
     return m->domains[0].motion->effects & DUET_EFFECT_EVENTS;
@@ -46,7 +41,7 @@ static void add_told(moving *m, const moving_domain *d, duet_error *own)
 {
     for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        if (c->told && owns(m, d, moving_place(m, d, c->owner)))
+        if (c->told && moving_owns(m, d, moving_place(m, d, c->owner)))
             add_pair(m, &m->events.now, c->owner, c->other, own);
     }
 }
@@ -69,7 +64,7 @@ static void add_touching(moving *m, const moving_domain *d, duet_error *own)
     else if (domain_read_told(d->motion, told, own))
         for (size_t i = 0; d->bodies.n > 0 && is_well(own) && i < e->links.n; ++i) {
             duet_pair link = e->links.pairs[i];
-            if (told[i] && owns(m, d, link.a))
+            if (told[i] && moving_owns(m, d, link.a))
                 add_pair(m, &m->events.now, moving_id(m, d, link.a), moving_id(m, d, link.b), own);
         }
     free(told);
@@ -93,7 +88,7 @@ static bool add_hits(moving *m, const moving_domain *d, duet_error *own)
         return false;
     for (size_t i = 0; i < n; ++i) {
         duet_hit_event hit = hits[i];
-        if (!owns(m, d, owner_of(m, d, &hit)))
+        if (!moving_owns(m, d, owner_of(m, d, &hit)))
             continue;
         hit.a = moving_id(m, d, hit.a);
         hit.b = moving_id(m, d, hit.b);
@@ -112,16 +107,6 @@ static void begin(moving_events *e)
     e->now.n = e->n_hits = 0;
 }
 
-static moving_told told_of(const moving_events *e)
-{
-    return (moving_told){.events = e->changes.events,
-                         .n_events = e->changes.n_events,
-                         .stays = e->changes.stays.pairs,
-                         .n_stays = e->changes.stays.n,
-                         .hits = e->hits,
-                         .n_hits = e->n_hits};
-}
-
 void moving_find_events(moving *m, duet_error *own)
 {
     moving_events *e = &m->events;
@@ -136,10 +121,13 @@ void moving_find_events(moving *m, duet_error *own)
         qsort(e->hits, e->n_hits, sizeof *e->hits, compare_uint32_pair);
     if (is_well(own) && pair_list_sort(&e->before, own) && pair_list_sort(&e->now, own))
         pair_changes_find(&e->changes, &e->before, &e->now, own);
-    m->told = told_of(e);
 }
 
+// The only domain's motion tells of all itself.
 moving_told moving_get_told(const moving *m)
 {
-    return m->told;
+    const motion_events *alone = &m->domains[0].motion->told;
+    const moving_events *e = &m->events;
+    return m->n_domains == 1 ? (moving_told){&alone->changes, alone->hits, alone->n_hits}
+                             : (moving_told){&e->changes, e->hits, e->n_hits};
 }

@@ -7,7 +7,7 @@
 
 #include "runtime/dynamics/pair_list.h"
 
-// Of all this rank's domains, by global ids.
+// The events of all this rank's domains, by global ids.
 typedef struct moving_events {
     pair_list before, now; // told pairs that touch
     pair_changes changes;

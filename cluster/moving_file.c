@@ -45,8 +45,7 @@ static void list_own(const moving *m, item_list *bodies, item_list *contacts)
                 list_add(bodies, moving_body_at(m, &d->bodies, i), 1, m->body_bytes);
         for (uint64_t i = 0; i < d->contacts.n; ++i) {
             const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-            uint32_t place = moving_place(m, d, c->owner);
-            if (place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place)))
+            if (moving_owns(m, d, moving_place(m, d, c->owner)))
                 list_add(contacts, c, 1, m->contact_bytes);
         }
     }

@@ -56,7 +56,7 @@ typedef struct contact_row {
 } contact_row;
 
 // A contact goes to the domains that own its ends next, of which this one knows those of its own.
-// Those of this rank get it at once.
+// Domains of this rank get it at once.
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
                         bool is_told, item_list *contacts)
 {
@@ -81,7 +81,7 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
     }
 }
 
-// What does not touch has nothing to keep.
+// A contact that does not touch has nothing to keep.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
@@ -355,12 +355,6 @@ static bool step_alone(moving *m, duet_error *own)
         return false;
     m->counts.contacts = result.contacts;
     m->counts.colours = result.colours;
-    m->told = (moving_told){.events = result.events,
-                            .n_events = result.n_events,
-                            .stays = result.stays,
-                            .n_stays = result.n_stays,
-                            .hits = result.hits,
-                            .n_hits = result.n_hits};
     return true;
 }
 

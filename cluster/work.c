@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/work.h"
 
-// What an end is taken to cost before times say it, and the most that it may.
+// The cost that an end is taken to have before times say it, and the most that it may have.
 static const double first_end = 1.0, most_end = 16.0;
 
-// What is kept of the sums; and rows tell nothing whose bodies have alike many ends, to this part.
+// The part of the sums that is kept; and rows tell nothing whose bodies have alike many ends, to
+// this part.
 static const double kept = 0.9, least_spread = 0.01;
 
 work_model work_begin(void)

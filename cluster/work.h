@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a step costs: as much as so many bodies, where an end of a contact that pushes costs a part
-// of a body, which is fitted to the times that ranks took.
+// A step costs as much as so many bodies: an end of a contact that pushes costs a part of a body,
+// which is fitted to the times that ranks took.
 #ifndef CLUSTER_WORK_H
 #define CLUSTER_WORK_H
 

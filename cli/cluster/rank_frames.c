@@ -20,19 +20,6 @@ static bool is_first(const rank_frames *f)
     return f->cluster->ranks.self == 0;
 }
 
-// Once: no ground moves.
-static bool write_ground(const rank_frames *f, duet_error *err)
-{
-    const duet_heights *ground = def_of(f)->heights;
-    text path = {0};
-    if (!ground)
-        return true;
-    text_add(&path, "%s/ground.vtp", f->bodies.folder);
-    bool ok = text_ok(&path, err) && vtk_ground_write(text_chars(&path), ground, 0.0, err);
-    text_free(&path);
-    return ok;
-}
-
 bool rank_frames_begin(rank_frames *f, const char *folder, duet_cluster *cluster, duet_error *err)
 {
     *f = (rank_frames){.cluster = cluster,
@@ -40,7 +27,8 @@ bool rank_frames_begin(rank_frames *f, const char *folder, duet_cluster *cluster
     if (!folder)
         return true;
     solids_make(f->solids, def_of(f)->dims);
-    bool ok = !is_first(f) || (frame_folder_make(folder, err) && write_ground(f, err));
+    bool ok = !is_first(f) || (frame_folder_make(folder, err) &&
+                               vtk_ground_write(folder, def_of(f)->heights, 0.0, err));
     return ranks_agree(&cluster->ranks, ok, err);
 }
 
@@ -108,9 +96,9 @@ bool rank_frames_add(rank_frames *f, uint64_t step, duet_error *err)
 {
     ranks *r = &f->cluster->ranks;
     text stem = {0};
-    if (!f->bodies.folder || !frame_is_due(f->bodies.n, (double)step * def_of(f)->dt))
+    const double time = (double)step * def_of(f)->dt;
+    if (!f->bodies.folder || !frame_is_due(f->bodies.n, time))
         return true;
-    double time = (double)step * def_of(f)->dt;
     bool ok = name_frame(f, &stem, err) && write_pieces(f, text_chars(&stem), time, err);
     ok = ranks_agree(r, ok, err) &&
          ranks_agree(r, name_pieces(f, text_chars(&stem), time, err), err);

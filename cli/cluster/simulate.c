@@ -53,7 +53,8 @@ static bool check_steps(const simulated_job *job, const duet_stored_profile *p, 
 // The most that a rank's step can take for each object.
 static const double MOST_OBJECT_S = 1;
 
-// Of a step in which bodies move: four substeps of two passes, each of as many colours as piles have.
+// A step in which bodies move has four substeps of two passes, each of as many colours as piles
+// have.
 enum { EXCHANGES = 4 * 2 * 14 };
 
 // Reads the step's time by the objects of the profile. A store may have been written by anybody.

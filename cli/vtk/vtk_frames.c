@@ -43,14 +43,8 @@ static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, 
 // Once: no ground moves.
 static bool add_ground(const vtk_frames *f, double time, duet_error *err)
 {
-    const duet_heights *ground = duet_motion_get_def(f->motion)->heights;
-    if (!ground || f->bodies.n > 0)
-        return true;
-    text path = {0};
-    text_add(&path, "%s/ground.vtp", f->bodies.folder);
-    bool ok = text_ok(&path, err) && vtk_ground_write(text_chars(&path), ground, time, err);
-    text_free(&path);
-    return ok;
+    return f->bodies.n > 0 || vtk_ground_write(f->bodies.folder,
+                                               duet_motion_get_def(f->motion)->heights, time, err);
 }
 
 bool vtk_frames_add(vtk_frames *f, double time, duet_error *err)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/vtk/vtk_ground.h"
 
+#include "base/text.h"
 #include "cli/vtk/vtk_file.h"
 
 #include <inttypes.h>
@@ -36,7 +37,7 @@ static void write_offsets(FILE *to, const void *of)
         vtk_write_int64(to, 2 * (int64_t)j * h->nx);
 }
 
-bool vtk_ground_write(const char *path, const duet_heights *h, double time, duet_error *err)
+static bool write_file(const char *path, const duet_heights *h, double time, duet_error *err)
 {
     const uint64_t points = (uint64_t)h->nx * h->ny, strips = h->ny - 1;
     const vtk_array arrays[] = {
@@ -50,4 +51,15 @@ bool vtk_ground_write(const char *path, const duet_heights *h, double time, duet
              points, strips);
     const vtk_piece piece = {"PolyData", counts, time, arrays, sizeof arrays / sizeof *arrays, h};
     return vtk_file_write(path, &piece, err);
+}
+
+bool vtk_ground_write(const char *folder, const duet_heights *h, double time, duet_error *err)
+{
+    text path = {0};
+    if (!h)
+        return true;
+    text_add(&path, "%s/ground.vtp", folder);
+    bool ok = text_ok(&path, err) && write_file(text_chars(&path), h, time, err);
+    text_free(&path);
+    return ok;
 }

@@ -5,6 +5,8 @@
 
 #include "runtime/duet.h"
 
-bool vtk_ground_write(const char *path, const duet_heights *heights, double time, duet_error *err);
+// Writes ground.vtp into a folder. heights NULL: there is no ground, and no file.
+bool vtk_ground_write(const char *folder, const duet_heights *heights, double time,
+                      duet_error *err);
 
 #endif

@@ -11,10 +11,8 @@
 
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #define SCENE "falling -n 300"
 #define RUN "run " SCENE " --steps 60 --json"
@@ -23,27 +21,11 @@
 
 enum { KILLS = 8 };
 
-static void get_hash(const char *arguments, char hash[32], double *steps)
-{
-    program p = program_done(program_run("%s", arguments));
-    const cJSON *o = json_of_program(&p);
-    snprintf(hash, 32, "%s", json_string(o, "hash"));
-    *steps = json_number(o, "steps");
-}
-
 // Starts the command and kills it after a while, unless it is done before. Returns whether it was
 // killed.
 static bool run_and_kill(const char *arguments, uint64_t ns)
 {
-    char command[512];
-    snprintf(command, sizeof command, "exec '%s' %s >/dev/null 2>&1", getenv("DUET_PROGRAM"),
-             arguments);
-    pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
-        _exit(127);
-    }
+    pid_t child = program_start("/dev/null", arguments);
     const struct timespec delay = {(time_t)(ns / 1000000000), (long)(ns % 1000000000)};
     nanosleep(&delay, NULL);
     kill(child, SIGKILL);

@@ -5,9 +5,7 @@
 #include "support/test.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 // Bytes of rank 0: all ranks are there, and all have stopped.
 #define BEGUN "\x06"
@@ -21,16 +19,6 @@ static void be_mpirun(const char *says, const char *then)
     test_write_file("mpirun_of_test/says", says);
     test_write_file("mpirun_of_test/mpirun", script);
     assert_int_equal(chmod("mpirun_of_test/mpirun", 0755), 0);
-}
-
-static void skip_without_mpi(void)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s-cluster", getenv("DUET_PROGRAM"));
-    if (access(path, X_OK) != 0) {
-        print_message("%s: Duet was built without MPI\n", path);
-        skip();
-    }
 }
 
 TEST(a_job_that_fails_is_one_line)

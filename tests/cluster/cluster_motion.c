@@ -24,6 +24,7 @@
 #define FAR "cluster_motion_far.lua"
 #define APART "cluster_motion_apart.lua"
 #define GIANT "cluster_motion_giant.lua"
+#define MESH "cluster_motion_mesh.lua"
 
 static void write_scene(const char *path, const char *scene)
 {
@@ -56,7 +57,7 @@ typedef struct moving_scene {
     uint32_t saved_at;       // the step at which it is saved, and goes on from the file; 0: none
 } moving_scene;
 
-// What came of a motion: its state, and sums over all events of all steps.
+// A motion came to this: its state, and sums over all events of all steps.
 typedef struct outcome {
     uint64_t hash;
     uint64_t events, stays, hits; // how many
@@ -267,6 +268,24 @@ static void other_effects_have_one_motions_bits(void)
     must_move_alike(&bullets, shapes, sizeof shapes / sizeof *shapes);
     must_move_alike(&marbles, shapes, 1);
     must_move_alike(&terrain, shapes, 1);
+}
+
+// Rank 0 alone reads the triangles, and the boxes lie over all of them.
+static void a_pile_on_a_mesh_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 3}, {2, 1}, {3, 2}};
+    const moving_scene s = {MESH, {{0}}, 0, 60, 1, 30};
+    write_scene(MESH, "for i = 0, 23 do\n"
+                      "  add { centre = { i % 6, i // 6, 1.5 + i % 3 },\n"
+                      "        half_extents = { 0.45, 0.45, 0.4 } }\n"
+                      "end\n"
+                      "return {\n"
+                      "  dims = 3, gravity = { 0, 0, -9.81 }, wants = { 'contact_response' },\n"
+                      "  mesh = { vertices = { -5, -5, 0, 10, -5, 0, 10, 10, 0.5, -5, 10, 0.5 },\n"
+                      "           triangles = { 0, 1, 2, 0, 2, 3 } },\n"
+                      "}\n");
+    must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    remove_file(MESH);
 }
 
 // It has more contacts than there are colours, in all domains.
@@ -650,6 +669,7 @@ int main(int argc, char **argv)
     a_pile_has_one_motions_bits();
     a_pile_that_falls_asleep_has_one_motions_bits();
     a_giant_on_small_ones_has_one_motions_bits();
+    a_pile_on_a_mesh_has_one_motions_bits();
     events_are_one_motions();
     shocks_have_one_motions_bits();
     bodies_are_taken_apart_as_in_one_motion();

@@ -249,7 +249,7 @@ static void on_ranks(int n, void (*fact)(MPI_Comm *comm))
     MPI_Comm_free(&comm);
 }
 
-// Of a cluster of n ranks that has none of the crowd's objects yet: poses in 3D.
+// A fact about a cluster of n ranks that has none of the crowd's objects yet: poses in 3D.
 typedef void crowd_fact(duet_cluster *cluster, const crowd *c, MPI_Comm comm, rng *r);
 
 static void on_crowd(int n, uint64_t seed, double weight, crowd_fact *fact)

@@ -18,22 +18,6 @@
 
 static bool asks_all;
 
-static void skip_without(const char *name, const char *what)
-{
-    char path[4096];
-    const char *duet = getenv("DUET_PROGRAM");
-    snprintf(path, sizeof path, "%.*s%s", (int)(strrchr(duet, '/') + 1 - duet), duet, name);
-    if (access(path, X_OK) != 0) {
-        print_message("%s: Duet was built without %s\n", path, what);
-        skip();
-    }
-}
-
-static void skip_without_mpi(void)
-{
-    skip_without("duet-cluster", "MPI");
-}
-
 static void assert_same_pairs(const char *scene, int ranks, int parts)
 {
     program one = program_run("run --repeat 1 --json %s", scene);

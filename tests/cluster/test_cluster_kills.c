@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet cluster --steps, --checkpoint and --resume as a person runs them: a job of which any rank is
 // killed, at any moment, ends soon with one line, and the same command goes on bit for bit. --all:
-// far more kills. Skipped where Duet was built without MPI.
+// far more kills. Skipped if Duet was built without MPI.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
 #include "support/program.h"
@@ -11,15 +11,12 @@
 #include "base/rng.h"
 #include "base/text_file.h"
 
-#include <errno.h>
 #include <glob.h>
 #include <signal.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #define SCENE "falling -n 150"
 #define STEPS 30
@@ -33,24 +30,6 @@ enum { KILLS = 2, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
 enum { HANGS_S = 60, SOON_S = 5 };
 
 static bool asks_all;
-
-static void skip_without_mpi(void)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s-cluster", getenv("DUET_PROGRAM"));
-    if (access(path, X_OK) != 0) {
-        print_message("%s: Duet was built without MPI\n", path);
-        skip();
-    }
-}
-
-static void get_hash(const char *arguments, char hash[32], double *steps)
-{
-    program p = program_done(program_run("%s", arguments));
-    const cJSON *o = json_of_program(&p);
-    snprintf(hash, 32, "%s", json_string(o, "hash"));
-    *steps = json_number(o, "steps");
-}
 
 // ---------------------------------------------------------------- going on
 
@@ -84,20 +63,6 @@ TEST(steps_are_the_step_that_a_job_ends_at)
 }
 
 // ---------------------------------------------------------------- killed ranks
-
-static pid_t start(const char *arguments)
-{
-    char command[512];
-    snprintf(command, sizeof command, "exec '%s' %s >/dev/null 2>" SAYS, getenv("DUET_PROGRAM"),
-             arguments);
-    pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
-        _exit(127);
-    }
-    return child;
-}
 
 // Children of all threads; a process that has ended has none.
 static int children_of(pid_t process, pid_t children[MOST_RANKS])
@@ -172,7 +137,7 @@ static void must_say_one_line(void)
 static double run_and_kill(const char *arguments, int n_ranks, rng *r, uint64_t after_ms)
 {
     int status = 0;
-    pid_t job = start(arguments);
+    pid_t job = program_start(SAYS, arguments);
     if (!kill_one(job, n_ranks, r, after_ms, &status)) {
         while (!WIFEXITED(status) && !has_ended(job, &status)) // its ranks have ended
             pause_ms(PAUSE_MS);

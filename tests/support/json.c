@@ -3,6 +3,7 @@
 
 #include "support/test.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static void free_json(void *o)
@@ -58,4 +59,12 @@ const cJSON *json_array(const cJSON *o, const char *key, int n)
     assert_true(cJSON_IsArray(array));
     assert_int_equal(cJSON_GetArraySize(array), n);
     return array;
+}
+
+void get_hash(const char *arguments, char hash[32], double *steps)
+{
+    program p = program_done(program_run("%s", arguments));
+    const cJSON *o = json_of_program(&p);
+    snprintf(hash, 32, "%s", json_string(o, "hash"));
+    *steps = json_number(o, "steps");
 }

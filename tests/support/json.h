@@ -14,6 +14,9 @@ cJSON *json_of(const char *chars);
 // The same of a program that went well and said nothing on stderr.
 cJSON *json_of_program(program *p);
 
+// Runs the program, whose JSON has the state hash of a motion and the step that it came to.
+void get_hash(const char *arguments, char hash[32], double *steps);
+
 double json_number(const cJSON *o, const char *key);
 const char *json_string(const cJSON *o, const char *key);
 bool json_true(const cJSON *o, const char *key); // and not false

@@ -75,3 +75,33 @@ void program_assert_refused(program p, int exit_code, const char *says)
         fail_msg("exit %d for %d, '%s' for a line with '%s', stdout '%.200s'", p.exit_code,
                  exit_code, p.err, says, p.out);
 }
+
+pid_t program_start(const char *err, const char *arguments)
+{
+    text command = {0};
+    text_add(&command, "exec '%s' %s >/dev/null 2>%s", getenv("DUET_PROGRAM"), arguments, err);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", text_chars(&command), (char *)NULL);
+        _exit(127);
+    }
+    text_free(&command);
+    return child;
+}
+
+void skip_without(const char *name, const char *what)
+{
+    char path[4096];
+    const char *duet = getenv("DUET_PROGRAM");
+    snprintf(path, sizeof path, "%.*s%s", (int)(strrchr(duet, '/') + 1 - duet), duet, name);
+    if (access(path, X_OK) != 0) {
+        print_message("%s: Duet was built without %s\n", path, what);
+        skip();
+    }
+}
+
+void skip_without_mpi(void)
+{
+    skip_without("duet-cluster", "MPI");
+}

@@ -3,6 +3,8 @@
 #ifndef TESTS_PROGRAM_H
 #define TESTS_PROGRAM_H
 
+#include <sys/types.h>
+
 typedef struct program {
     int exit_code; // -1 where a signal ended it
     char *out;     // it and err last until the test ends
@@ -23,5 +25,14 @@ program program_done(program p);
 // Fails the test unless the program ended so, with nothing on stdout and one
 // line on stderr that says it.
 void program_assert_refused(program p, int exit_code, const char *says);
+
+// Starts the program, whose stdout nobody reads, and whose stderr goes to a file. Returns its
+// process, for which the caller waits.
+pid_t program_start(const char *err, const char *arguments);
+
+// Skip the test with a line if there is no program of that name beside it, which is built with
+// `what` alone.
+void skip_without(const char *name, const char *what);
+void skip_without_mpi(void);
 
 #endif

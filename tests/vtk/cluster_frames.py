@@ -13,7 +13,7 @@ import sys
 import xml.etree.ElementTree as xml
 
 sys.dont_write_bytecode = True
-from vtu import read_own, read_series
+from vtu import read_own, read_series, vtk_of
 
 NAMES = ["id", "velocity", "angular_velocity", "asleep", "half_extents", "radius", "orientation"]
 
@@ -27,7 +27,7 @@ def run(command, frames):
 
 
 def rows_by_id(grid):
-    """What each body's cell has, its corners included."""
+    """Each body's cell: its data and its corners."""
     rows, first = {}, 0
     for i, end in enumerate(grid["offsets"]):
         points = [tuple(grid["points"][p]) for p in grid["connectivity"][first:end]]
@@ -92,13 +92,7 @@ def compare(program, folder, scene, ranks, parts):
     assert len(there) == len(found) * ranks * parts, there
 
 
-vtk = None
-if sys.argv[3] == "vtk":
-    try:
-        import vtk
-    except ImportError:
-        print("no VTK here")
-        sys.exit(0)
+vtk = vtk_of(sys.argv[3])
 os.makedirs(sys.argv[2], exist_ok=True)
 compare(sys.argv[1], sys.argv[2], ["falling", "-n", "150", "--steps", "20"], 3, 1)
 compare(sys.argv[1], sys.argv[2], ["marbles", "-n", "40", "--steps", "12"], 2, 2)

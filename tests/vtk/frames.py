@@ -17,7 +17,7 @@ import time
 from signal import SIGINT, SIGKILL
 
 sys.dont_write_bytecode = True
-from vtu import read_own, read_series
+from vtu import read_own, read_series, vtk_of
 
 POLYGON, QUAD, HEXAHEDRON, POLYHEDRON = 7, 9, 12, 42
 
@@ -353,14 +353,7 @@ def read_vtk(path):
     return reader.GetOutput()
 
 
-vtk = None
-if sys.argv[3] == "vtk":
-    try:
-        import vtk
-    except ImportError:
-        print("no VTK here")
-        sys.exit(0)
-    print("VTK", vtk.vtkVersion().GetVTKVersion())
+vtk = vtk_of(sys.argv[3])
 seed = int(os.environ.get("DUET_TEST_SEED", 0)) or random.randrange(1, 2 ** 31)
 print("DUET_TEST_SEED=%d" % seed)
 os.makedirs(sys.argv[2], exist_ok=True)

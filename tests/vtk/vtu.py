@@ -2,6 +2,7 @@
 """A reader of the files of frames that needs nothing but Python."""
 import os
 import struct
+import sys
 import xml.etree.ElementTree as xml
 
 TYPES = {"Float32": "f", "Float64": "d", "Int64": "q", "UInt8": "B"}
@@ -37,3 +38,16 @@ def read_series(folder, name):
     """Times and paths of a .pvd."""
     entries = xml.parse(os.path.join(folder, name + ".pvd")).getroot()[0]
     return [(float(e.get("timestep")), os.path.join(folder, e.get("file"))) for e in entries]
+
+
+def vtk_of(reader):
+    """VTK if it is to read the files, else None; the test is skipped if there is none."""
+    if reader != "vtk":
+        return None
+    try:
+        import vtk
+    except ImportError:
+        print("no VTK here")
+        sys.exit(0)
+    print("VTK", vtk.vtkVersion().GetVTKVersion())
+    return vtk
