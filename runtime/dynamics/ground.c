@@ -4,15 +4,11 @@
 #include "base/error.h"
 #include "kernels/dynamics/mesh_rows.h"
 #include "runtime/bodies/ground_def.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static size_t bytes_of(const duet_heights *h)
-{
-    return (size_t)h->nx * h->ny * sizeof *h->heights;
-}
 
 static arg_real4 real4_of(bool doubles, double x, double y, double z, double w)
 {
@@ -41,7 +37,7 @@ static void *copy_of(const void *from, size_t bytes, duet_error *err)
 static bool copy_heights(motion_ground *ground, const duet_motion_def *def, duet_error *err)
 {
     duet_heights h = *def->heights;
-    h.heights = copy_of(h.heights, bytes_of(&h), err);
+    h.heights = copy_of(h.heights, heights_bytes(&h), err);
     ground->heights = h;
     ground->origin = origin_of(def->doubles, h.origin);
     ground->spacing =
@@ -115,7 +111,7 @@ bool ground_send(motion_ground *g, const device *d, duet_error *err)
 {
     return g->mesh.vertices ? send_mesh(g, d, err)
                             : send(&g->buffers[GROUND_VALUES], d, g->heights.heights,
-                                   bytes_of(&g->heights), err);
+                                   heights_bytes(&g->heights), err);
 }
 
 void ground_close(motion_ground *ground)
