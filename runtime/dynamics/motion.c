@@ -134,7 +134,7 @@ static void know_objects(duet_motion *m)
     m->extent = mean_least_extent(m);
 }
 
-// What follows from the facts, whatever objects there are.
+// Sets all that follows from the facts, whatever objects there are.
 static void infer(duet_motion *m)
 {
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
