@@ -112,7 +112,7 @@ static inline bool had_points(const scene *s, uint i)
     return s->touches[i] & TOUCH_POINTS;
 }
 
-// Eight pairs, or n of them and seven at most of no interest. Those that touch get points one after
+// Eight pairs, or n of them and seven at most of no interest. Pairs that touch get points one after
 // the other.
 static inline void collide_eight(const scene *s, const uint places[8], uint n)
 {

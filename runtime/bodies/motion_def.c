@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a motion is made of, before there is one: defaults, and what is wrong with a def, a pose or
+// A motion is made of these, before there is one: defaults, and what is wrong with a def, a pose or
 // a body.
 #include "runtime/bodies/motion_def.h"
 

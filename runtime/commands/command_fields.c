@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is set of bodies and of the world while a motion runs.
+// Sets fields of bodies and of the world while a motion runs.
 #include "runtime/commands/command.h"
 
 #include "base/error.h"

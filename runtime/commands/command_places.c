@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where commands put bodies: poses hold at once, and targets are where the next step takes bodies
-// without mass.
+// Commands put bodies elsewhere: poses hold at once, and targets are where the next step takes
+// bodies without mass.
 #include "base/error.h"
 #include "runtime/bodies/vector.h"
 #include "runtime/commands/command.h"

@@ -285,7 +285,7 @@ static bool fill_copy(duet_motion *copy, const saved_head *h, const char *bytes,
     return true;
 }
 
-// What is still mapped is of the buffers that go.
+// Maps are of the buffers that go.
 static void adopt(duet_motion *m, duet_motion *copy)
 {
     motion_forget_maps(m);

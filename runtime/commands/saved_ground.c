@@ -4,6 +4,7 @@
 #include "runtime/commands/saved_motion.h"
 
 #include "runtime/bodies/ground_def.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/mesh.h"
 
 #include <assert.h>
@@ -31,20 +32,15 @@ void saved_ground_count(const duet_motion *m, saved_head *h)
     h->has_mesh = mesh != NULL;
 }
 
-static size_t bytes_of_heights(uint32_t nx, uint32_t ny)
-{
-    return (size_t)nx * ny * sizeof(float);
-}
-
 // The arrays that a head says of; SIZE_MAX / 2 if no file is that long.
 static size_t bytes_of_arrays(const saved_head *h)
 {
     const duet_mesh mesh = {.n_vertices = h->ground[0], .n_triangles = h->ground[1]};
+    const duet_heights heights = {.nx = h->ground[0], .ny = h->ground[1]};
     if (h->has_mesh)
         return mesh_vertex_bytes(&mesh) + mesh_triangle_bytes(&mesh);
-    return (uint64_t)h->ground[0] * h->ground[1] > DUET_MOST_HEIGHTS
-               ? SIZE_MAX / 2
-               : bytes_of_heights(h->ground[0], h->ground[1]);
+    return (uint64_t)heights.nx * heights.ny > DUET_MOST_HEIGHTS ? SIZE_MAX / 2
+                                                                 : heights_bytes(&heights);
 }
 
 size_t saved_ground_size(const saved_head *h)
@@ -72,7 +68,7 @@ static void add_mesh(const duet_mesh *mesh, text *file)
 static void add_heights(const duet_heights *h, text *file)
 {
     add_begin(file, h->origin, h->spacing);
-    text_add_bytes(file, (const char *)h->heights, bytes_of_heights(h->nx, h->ny));
+    text_add_bytes(file, (const char *)h->heights, heights_bytes(h));
 }
 
 void saved_ground_add(const duet_motion *m, text *file)

@@ -16,13 +16,13 @@ static const double upright = 0.1;
 // Bodies that are thrown down at random touch here and there, but not three above each other.
 enum { LEAST_LEANING = 3 };
 
-// What a block and all that it bears weigh, and where they press.
+// The weight of a block and of all that it bears, and where it presses.
 typedef struct load {
     uint32_t layers; // from the block upwards
     double mass, moment[2];
 } load;
 
-// Where a block's supports bear it: the least rectangle about all places of contact.
+// The least rectangle about all places of contact of a block with its supports.
 typedef struct footing {
     double from[2], to[2];
 } footing;

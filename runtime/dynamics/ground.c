@@ -4,15 +4,12 @@
 #include "base/error.h"
 #include "kernels/dynamics/mesh_rows.h"
 #include "runtime/bodies/ground_def.h"
+#include "runtime/bodies/mesh_rows.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static size_t bytes_of(const duet_heights *h)
-{
-    return (size_t)h->nx * h->ny * sizeof *h->heights;
-}
 
 static arg_real4 real4_of(bool doubles, double x, double y, double z, double w)
 {
@@ -41,7 +38,7 @@ static void *copy_of(const void *from, size_t bytes, duet_error *err)
 static bool copy_heights(motion_ground *ground, const duet_motion_def *def, duet_error *err)
 {
     duet_heights h = *def->heights;
-    h.heights = copy_of(h.heights, bytes_of(&h), err);
+    h.heights = copy_of(h.heights, heights_bytes(&h), err);
     ground->heights = h;
     ground->origin = origin_of(def->doubles, h.origin);
     ground->spacing =
@@ -57,7 +54,7 @@ static bool copy_mesh(motion_ground *ground, const duet_motion_def *def, duet_er
     m.triangles = copy_of(m.triangles, mesh_triangle_bytes(&m), err);
     ground->mesh = m;
     ground->origin = origin_of(def->doubles, m.origin);
-    return m.vertices && m.triangles && mesh_rows_make(&ground->rows, &m, err);
+    return m.vertices && m.triangles;
 }
 
 bool ground_copy(motion_ground *ground, duet_motion_def *def, duet_error *err)
@@ -100,22 +97,26 @@ static bool send(buffer *b, const device *d, const void *from, size_t bytes, due
            error_set_cl(err, code, "%s: sending %zu bytes of a ground", d->info.selector, bytes);
 }
 
+// Only the device keeps the rows.
 static bool send_mesh(motion_ground *g, const device *d, duet_error *err)
 {
-    const mesh_rows *r = &g->rows;
-    return send(&g->buffers[GROUND_VALUES], d, g->mesh.vertices, mesh_vertex_bytes(&g->mesh),
-                err) &&
-           send(&g->buffers[GROUND_TRIANGLES], d, r->triangles,
-                (size_t)r->n_triangles * MESH_TRIANGLE * sizeof *r->triangles, err) &&
-           send(&g->buffers[GROUND_NODES], d, r->nodes,
-                (size_t)r->n_nodes * MESH_NODE * sizeof *r->nodes, err);
+    mesh_rows r;
+    bool ok =
+        mesh_rows_make(&r, &g->mesh, err) &&
+        send(&g->buffers[GROUND_VALUES], d, g->mesh.vertices, mesh_vertex_bytes(&g->mesh), err) &&
+        send(&g->buffers[GROUND_TRIANGLES], d, r.triangles,
+             (size_t)r.n_triangles * MESH_TRIANGLE * sizeof *r.triangles, err) &&
+        send(&g->buffers[GROUND_NODES], d, r.nodes, (size_t)r.n_nodes * MESH_NODE * sizeof *r.nodes,
+             err);
+    mesh_rows_free(&r);
+    return ok;
 }
 
 bool ground_send(motion_ground *g, const device *d, duet_error *err)
 {
     return g->mesh.vertices ? send_mesh(g, d, err)
                             : send(&g->buffers[GROUND_VALUES], d, g->heights.heights,
-                                   bytes_of(&g->heights), err);
+                                   heights_bytes(&g->heights), err);
 }
 
 void ground_close(motion_ground *ground)
@@ -125,6 +126,5 @@ void ground_close(motion_ground *ground)
     free((void *)ground->heights.heights);
     free((void *)ground->mesh.vertices);
     free((void *)ground->mesh.triangles);
-    mesh_rows_free(&ground->rows);
     *ground = (motion_ground){0};
 }

@@ -3,7 +3,6 @@
 #ifndef RUNTIME_GROUND_H
 #define RUNTIME_GROUND_H
 
-#include "runtime/bodies/mesh_rows.h"
 #include "runtime/duet.h"
 #include "runtime/opencl/launcher.h"
 #include "runtime/opencl/timeline.h"
@@ -18,7 +17,6 @@ typedef enum ground_buffer {
 typedef struct motion_ground {
     duet_heights heights; // the copy; without heights there are none
     duet_mesh mesh;       // likewise
-    mesh_rows rows;       // of the mesh
     buffer buffers[GROUND_BUFFERS];
     // arguments of kernels
     arg_real4 origin, spacing; // and one over the spacing

@@ -4,6 +4,8 @@
 // covers.
 #include "runtime/dynamics/height_map.h"
 
+#include "base/compare.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -263,22 +265,14 @@ static bool put_block(height_map *map, cells *all, uint32_t place, uint64_t *roo
     return true;
 }
 
-static int by_upper(const void *x, const void *y)
-{
-    const support *a = x, *b = y;
-    if (a->upper != b->upper)
-        return a->upper < b->upper ? -1 : 1;
-    return a->lower < b->lower ? -1 : a->lower > b->lower;
-}
-
 // Two blocks may share several cells.
 static void sort_supports(height_map *map)
 {
     uint64_t n = 0;
     if (map->n_supports > 0)
-        qsort(map->supports, map->n_supports, sizeof *map->supports, by_upper);
+        qsort(map->supports, map->n_supports, sizeof *map->supports, compare_uint32_pair);
     for (uint64_t i = 0; i < map->n_supports; ++i)
-        if (i == 0 || by_upper(&map->supports[i], &map->supports[n - 1]) != 0)
+        if (i == 0 || compare_uint32_pair(&map->supports[i], &map->supports[n - 1]) != 0)
             map->supports[n++] = map->supports[i];
     map->n_supports = n;
 }

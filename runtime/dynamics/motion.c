@@ -134,7 +134,7 @@ static void know_objects(duet_motion *m)
     m->extent = mean_least_extent(m);
 }
 
-// What follows from the facts, whatever objects there are.
+// Sets all that follows from the facts, whatever objects there are.
 static void infer(duet_motion *m)
 {
     double slop = m->def.slop > 0.0 ? m->def.slop : slop_of_extent * m->extent;
@@ -163,16 +163,6 @@ static bool check_count(const duet_pose *poses, uint32_t n, duet_error *err)
     return n == 0 || error_given(poses, "duet_motion_create", "poses", err);
 }
 
-static duet_motion *hold(const duet_motion_def *def, duet_error *err)
-{
-    duet_motion *m = calloc(1, sizeof *m);
-    if (!m)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
-    m->def = *def;
-    device_pair_hold(def->pair);
-    return m;
-}
-
 static duet_motion *keep_if(duet_motion *m, bool ok)
 {
     if (ok)
@@ -181,16 +171,28 @@ static duet_motion *keep_if(duet_motion *m, bool ok)
     return NULL;
 }
 
+static duet_motion *hold(const duet_motion_def *def, const duet_pose *poses,
+                         const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
+                         duet_error *err)
+{
+    duet_motion *m = calloc(1, sizeof *m);
+    if (!m)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
+    m->def = *def;
+    device_pair_hold(def->pair);
+    return keep_if(m, ground_copy(&m->ground, &m->def, err) &&
+                          copy_objects(m, poses, large_poses, bodies, n, err));
+}
+
 duet_motion *motion_know(const duet_motion_def *def, const duet_pose *poses,
                          const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                          duet_error *err)
 {
     if (!motion_check_def(def, err) || !check_count(poses, n, err))
         return NULL;
-    duet_motion *m = hold(def, err);
-    if (!m || !ground_copy(&m->ground, &m->def, err) ||
-        !copy_objects(m, poses, large_poses, bodies, n, err))
-        return keep_if(m, false);
+    duet_motion *m = hold(def, poses, large_poses, bodies, n, err);
+    if (!m)
+        return NULL;
     know_objects(m);
     infer(m);
     return keep_if(m, check_effects(m, err) && motion_choose_substeps(m, err));
@@ -207,9 +209,9 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
 duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts, double extent,
                            duet_error *err)
 {
-    duet_motion *m = hold(def, err);
-    if (!m || !ground_copy(&m->ground, &m->def, err) || !copy_objects(m, NULL, NULL, NULL, 0, err))
-        return keep_if(m, false);
+    duet_motion *m = hold(def, NULL, NULL, NULL, 0, err);
+    if (!m)
+        return NULL;
     m->facts = *facts;
     m->extent = extent;
     infer(m);

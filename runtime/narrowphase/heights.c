@@ -57,6 +57,11 @@ bool heights_check_places(const duet_heights *h, duet_error *err)
     return true;
 }
 
+size_t heights_bytes(const duet_heights *h)
+{
+    return (size_t)h->nx * h->ny * sizeof *h->heights;
+}
+
 void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3])
 {
     at[0] = fma(i, h->spacing[0], h->origin[0]);

@@ -15,6 +15,9 @@ bool heights_check(const duet_heights *h, duet_error *err);
 // Also for one whose places doubles do not tell apart well.
 bool heights_check_places(const duet_heights *h, duet_error *err);
 
+// Bytes of the heights.
+size_t heights_bytes(const duet_heights *h);
+
 void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3]);
 
 // A valid box on a straight way, or a ray, as a ground is asked about it: at centre + t direction

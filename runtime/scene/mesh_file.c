@@ -253,18 +253,17 @@ static bool read_ascii_stl(reading *r)
     return true;
 }
 
-enum { STL_HEAD = 84, STL_TRIANGLE = 50 };
+enum { STL_COUNT = 80, STL_HEAD = 84, STL_TRIANGLE = 50 };
 
-static uint32_t count_of(const char *bytes)
+static uint32_t word_of(const char *bytes)
 {
-    const unsigned char *b = (const unsigned char *)bytes + 80;
+    const unsigned char *b = (const unsigned char *)bytes;
     return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }
 
 static float float_of(const char *bytes)
 {
-    const unsigned char *b = (const unsigned char *)bytes;
-    uint32_t word = b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+    uint32_t word = word_of(bytes);
     float value;
     memcpy(&value, &word, sizeof value);
     return value;
@@ -293,7 +292,7 @@ static bool read_binary_stl(reading *r, uint32_t n)
 // A file is binary if it is as long as its count of triangles says; many such begin with "solid".
 static bool read_stl(reading *r, const text *file)
 {
-    uint64_t n = file->length >= STL_HEAD ? count_of(file->chars) : 0;
+    uint64_t n = file->length >= STL_HEAD ? word_of(file->chars + STL_COUNT) : 0;
     if (file->length >= STL_HEAD && file->length == STL_HEAD + n * STL_TRIANGLE)
         return read_binary_stl(r, (uint32_t)n);
     skip_blanks(r);

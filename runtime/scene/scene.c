@@ -4,9 +4,9 @@
 
 #include "base/budget.h"
 #include "base/error.h"
-#include "runtime/scene/mesh_file.h"
 #include "base/text.h"
 #include "runtime/narrowphase/origin.h"
+#include "runtime/scene/mesh_file.h"
 
 #include <stdlib.h>
 #include <string.h>

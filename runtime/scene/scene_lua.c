@@ -18,7 +18,7 @@
 #include <string.h>
 
 // ---------------------------------------------------------------- parameters
-// What of a scene can be set from outside: parameters{n = 1000, seed = 1}.
+// A scene names what can be set from outside: parameters{n = 1000, seed = 1}.
 //
 // The default also says of which type a value must be, so that a mistyped
 // setting is refused before it makes another scene.

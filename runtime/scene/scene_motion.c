@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "gen/field.h"
+#include "runtime/narrowphase/heights.h"
 #include "runtime/scene/scene_heights.h"
 #include "runtime/scene/scene_mesh.h"
 
@@ -192,8 +193,7 @@ void scene_read_heights(lua_State *L, scene_reading *reading)
     if (!field_push(L, 1, "heights", LUA_TTABLE))
         return;
     const char *fault = heights_read(L, &scene->heights);
-    size_t n = (size_t)scene->heights.nx * scene->heights.ny;
-    if (!fault && !(scene->height_values = malloc(n * sizeof *scene->height_values)))
+    if (!fault && !(scene->height_values = malloc(heights_bytes(&scene->heights))))
         fault = "no memory for values";
     if (!fault)
         fault = heights_read_values(L, &scene->heights, scene->height_values);

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Bodies on a ground of heights, against closed forms, floors and all triangles in double.
-#include "support/mover.h"
+#include "support/ground.h"
 #include "support/test.h"
-
-#include "base/rng.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
-
-static const double slop = 0.005;
 
 // ---------------------------------------------------------------- grounds
 
@@ -32,13 +27,6 @@ static void fill(field *f, uint32_t n, double spacing, double (*height)(double x
         f->values[i] = (float)height(i % n * spacing - half, i / n * spacing - half);
 }
 
-static double flat(double x, double y)
-{
-    (void)x;
-    (void)y;
-    return 0;
-}
-
 static const double tilt = 0.4;
 
 static double slope(double x, double y)
@@ -47,49 +35,11 @@ static double slope(double x, double y)
     return -tilt * x;
 }
 
-static double bowl(double x, double y)
-{
-    return 0.05 * (x * x + y * y);
-}
-
-static rng drawn;
-
-static double rough(double x, double y)
-{
-    (void)x;
-    (void)y;
-    return rng_between(&drawn, -0.6, 0.6);
-}
-
 static mover *on_ground(const field *f)
 {
-    mover *m = mover_new(3);
-    m->def.gravity[2] = -9.81;
-    m->def.slop = slop;
-    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTINUOUS;
+    mover *m = ground_mover();
     m->def.heights = &f->heights;
     return m;
-}
-
-// ---------------------------------------------------------------- shapes
-
-enum { BALL, ROLLING_BALL, CAPSULE_ALONG, CAPSULE_ACROSS, ROUNDED, SHARP, SHAPES };
-
-// A body that touches a level ground at height 0 below x, y.
-static uint32_t add_shape(mover *m, int shape, double x, double y)
-{
-    static const double half[SHAPES][4] = {
-        [BALL] = {0, 0, 0, 0.25},
-        [ROLLING_BALL] = {0, 0, 0, 0.25},
-        [CAPSULE_ALONG] = {0.3, 0, 0, 0.25},
-        [CAPSULE_ACROSS] = {0, 0.3, 0, 0.25},
-        [ROUNDED] = {0.2, 0.3, 0.1, 0.05},
-        [SHARP] = {0.2, 0.3, 0.15, 0},
-    };
-    const double *h = half[shape];
-    uint32_t id = mover_add(m, x, y, h[2] + h[3], h[0], h[1], h[2]);
-    m->bodies[id].radius = (float)h[3];
-    return id;
 }
 
 // ---------------------------------------------------------------- level
@@ -97,61 +47,22 @@ static uint32_t add_shape(mover *m, int shape, double x, double y)
 TEST(a_level_ground_holds_as_a_floor)
 {
     field *f = malloc(sizeof *f);
-    fill(f, 17, 1, flat);
+    fill(f, 17, 1, ground_flat);
     mover *m = on_ground(f);
-    for (int k = 0; k < 4 * SHAPES; ++k) {
-        uint32_t id = add_shape(m, k % SHAPES, -6 + 2.1 * (k % 6), -6 + 3.3 * (k / 6.0));
-        m->poses[id].centre[2] += 0.3f;
-        mover_turn(m, id, 0, 0, 1, 0.7 * k);
-        m->bodies[id].friction = 0.5f;
-    }
+    ground_add_falling(m);
     mover_run(m, 300);
-    for (uint32_t id = 0; id < m->n; ++id) {
-        assert_close(m->states[id].centre[2], (double)m->poses[id].centre[2] - 0.3, slop);
-        if (!(mover_speed(m, id) < 0.002))
-            fail_msg("shape %u goes at %g m/s", id % SHAPES, mover_speed(m, id));
-    }
+    ground_assert_rest(m);
     free(f);
-}
-
-static void glide(field *f, double speed, double direction)
-{
-    mover *m = on_ground(f);
-    double c = cos(direction), s = sin(direction);
-    for (int k = 0; k < SHAPES; ++k) {
-        double along = -29, across = -5 + 2 * k;
-        uint32_t id = add_shape(m, k, c * along - s * across, s * along + c * across);
-        mover_turn(m, id, 0, 0, 1, direction);
-        m->bodies[id].velocity[0] = (float)(c * speed);
-        m->bodies[id].velocity[1] = (float)(s * speed);
-        if (k == ROLLING_BALL) {
-            m->bodies[id].friction = 1;
-            m->bodies[id].angular_velocity[0] = (float)(-s * speed / 0.25);
-            m->bodies[id].angular_velocity[1] = (float)(c * speed / 0.25);
-        }
-    }
-    uint32_t steps = (uint32_t)(58 / speed / m->def.dt);
-    for (uint32_t i = 0; i < steps; i += 4) {
-        mover_run(m, 4);
-        for (int k = 0; k < SHAPES; ++k) {
-            const duet_state *state = &m->states[k];
-            double kept = (c * state->velocity[0] + s * state->velocity[1]) / speed;
-            double hop = state->centre[2] - (double)m->poses[k].centre[2];
-            if (!(kept >= 0.98 && fabs(hop) <= slop))
-                fail_msg("shape %d at %g m/s along %g keeps %g and hops %g after %u steps", k,
-                         speed, direction, kept, hop, i);
-        }
-    }
 }
 
 TEST(nothing_trips_over_a_seam_of_the_ground)
 {
     static const double speeds[] = {1, 2, 5, 10};
     field *f = malloc(sizeof *f);
-    fill(f, 65, 1, flat);
+    fill(f, 65, 1, ground_flat);
     for (int i = 0; i < 4; ++i)
-        glide(f, speeds[i], i % 2 ? 0 : 0.3);
-    glide(f, 5, atan2(1, 1)); // along the lines that divide cells
+        ground_glide(on_ground(f), speeds[i], i % 2 ? 0 : 0.3);
+    ground_glide(on_ground(f), 5, atan2(1, 1)); // along the lines that divide cells
     free(f);
 }
 
@@ -166,7 +77,7 @@ TEST(boxes_slide_down_a_slope_as_the_closed_form_says)
     mover *m = on_ground(f);
     double height = 0.15 / cos(angle);
     for (int k = 0; k < 4; ++k) {
-        uint32_t id = add_shape(m, SHARP, -20, -9 + 6 * k);
+        uint32_t id = ground_add(m, SHARP, -20, -9 + 6 * k);
         m->poses[id].centre[2] = (float)(tilt * 20 + height);
         mover_turn(m, id, 0, 1, 0, angle);
         m->bodies[id].friction = 0.1f * (float)k;
@@ -178,7 +89,7 @@ TEST(boxes_slide_down_a_slope_as_the_closed_form_says)
         assert_close(hypot(v[0], v[2]), expected, 0.02 * expected + g * m->def.dt / 4);
         assert_close(atan2(-v[2], v[0]), angle, 0.01);
         const double *x = m->states[k].centre;
-        assert_close((x[2] + tilt * x[0]) * cos(angle), 0.15, slop);
+        assert_close((x[2] + tilt * x[0]) * cos(angle), 0.15, ground_slop);
     }
     free(f);
 }
@@ -189,7 +100,7 @@ TEST(balls_roll_down_a_slope_of_the_ground)
     fill(f, 97, 0.7, slope);
     double angle = atan(tilt);
     mover *m = on_ground(f);
-    uint32_t id = add_shape(m, BALL, -20, 0.1);
+    uint32_t id = ground_add(m, BALL, -20, 0.1);
     m->poses[id].centre[2] = (float)(tilt * 20 + 0.25 / cos(angle));
     m->bodies[id].friction = 1;
     mover_run(m, 120);
@@ -203,38 +114,24 @@ TEST(balls_roll_down_a_slope_of_the_ground)
 TEST(balls_come_to_rest_at_the_lowest_point_of_a_bowl)
 {
     field *f = malloc(sizeof *f);
-    fill(f, 61, 0.5, bowl); // a place lies at the lowest point
+    fill(f, 61, 0.5, ground_bowl); // a place lies at the lowest point
     mover *m = on_ground(f);
     m->def.drag = 0.8;
     for (int k = 0; k < 2; ++k) {
         m->n = 0;
-        uint32_t id = add_shape(m, BALL, k ? 6 : -7, k ? 5 : 3);
+        uint32_t id = ground_add(m, BALL, k ? 6 : -7, k ? 5 : 3);
         m->poses[id].centre[2] = 5;
         m->bodies[id].friction = 0.5f;
         mover_run(m, 1500);
         const double *x = m->states[id].centre;
         assert_close(hypot(x[0], x[1]), 0, 0.02);
-        assert_close(x[2], 0.25, slop);
+        assert_close(x[2], 0.25, ground_slop);
         mover_restart(m);
     }
     free(f);
 }
 
 // ---------------------------------------------------------------- all triangles, in double
-
-typedef struct vector {
-    double x, y, z;
-} vector;
-
-static vector less(vector a, vector b)
-{
-    return (vector){a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-static double dot(vector a, vector b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 
 static vector place(const field *f, uint32_t i, uint32_t j)
 {
@@ -251,29 +148,6 @@ static void triangle_at(const field *f, uint32_t which, vector t[3])
     t[2] = which % 2 ? place(f, i, j + 1) : place(f, i + 1, j + 1);
 }
 
-// The distance from a point to a segment, squared.
-static double square_to_edge(vector p, vector a, vector b)
-{
-    vector along = less(b, a), way = less(p, a);
-    double t = fmax(0, fmin(1, dot(way, along) / dot(along, along)));
-    vector apart = {way.x - t * along.x, way.y - t * along.y, way.z - t * along.z};
-    return dot(apart, apart);
-}
-
-// The distance from a point to a triangle, by its plane if the foot lies in it, else by its edges.
-static double distance_to(vector p, const vector t[3])
-{
-    vector u = less(t[1], t[0]), v = less(t[2], t[0]), w = less(p, t[0]);
-    double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), wu = dot(w, u), wv = dot(w, v);
-    double det = uu * vv - uv * uv, a = (vv * wu - uv * wv) / det, b = (uu * wv - uv * wu) / det;
-    if (a >= 0 && b >= 0 && a + b <= 1) {
-        vector apart = {w.x - a * u.x - b * v.x, w.y - a * u.y - b * v.y, w.z - a * u.z - b * v.z};
-        return sqrt(dot(apart, apart));
-    }
-    return sqrt(fmin(square_to_edge(p, t[0], t[1]),
-                     fmin(square_to_edge(p, t[1], t[2]), square_to_edge(p, t[2], t[0]))));
-}
-
 static uint32_t n_triangles(const field *f)
 {
     return 2 * (f->heights.nx - 1) * (f->heights.ny - 1);
@@ -285,7 +159,7 @@ static double distance_to_ground(const field *f, vector p)
     for (uint32_t i = 0; i < n_triangles(f); ++i) {
         vector t[3];
         triangle_at(f, i, t);
-        least = fmin(least, distance_to(p, t));
+        least = fmin(least, triangle_distance(p, t));
     }
     return least;
 }
@@ -304,31 +178,15 @@ static double above_ground(const field *f, vector p)
     return p.z - ground;
 }
 
-// The nearest contact of each ball, from what a step without response says; INFINITY: none.
-static void least_separations(mover *m, double *least)
-{
-    duet_contact *contacts;
-    uint64_t n;
-    mover_run(m, 1);
-    for (uint32_t id = 0; id < m->n; ++id)
-        least[id] = INFINITY;
-    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
-    for (uint64_t i = 0; i < n; ++i)
-        for (uint32_t k = 0; contacts[i].b == m->n + 6 && k < contacts[i].n; ++k)
-            least[contacts[i].a] =
-                fmin(least[contacts[i].a], (double)contacts[i].points[k].separation);
-    duet_free(contacts);
-}
-
 // Contacts end by a slack before the margin.
 TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
 {
-    rng r = drawn = rng_seed(test_seed());
+    rng r = ground_drawn = rng_seed(test_seed());
     field *f = malloc(sizeof *f);
     double *least = malloc(MOVER_MOST * sizeof *least);
     uint32_t touching = 0;
     for (int round = 0; round < 4; ++round) {
-        fill(f, 9 + 8 * (uint32_t)round, 1.0 / (1 + round), rough);
+        fill(f, 9 + 8 * (uint32_t)round, 1.0 / (1 + round), ground_rough);
         mover *m = mover_new(3);
         m->def.wants = DUET_EFFECT_CONTACT | DUET_EFFECT_RADIUS;
         m->def.slop = 0.02;
@@ -341,7 +199,7 @@ TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
             uint32_t id = mover_add(m, p.x, p.y, p.z, 0, 0, 0);
             m->bodies[id].radius = (float)rng_between(&r, 0.05, 0.4);
         }
-        least_separations(m, least);
+        ground_least_separations(m, least);
         for (uint32_t id = 0; id < m->n; ++id) {
             const float *c = m->poses[id].centre;
             double expected =
@@ -358,20 +216,6 @@ TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
 }
 
 // ---------------------------------------------------------------- nothing falls through
-
-static void add_thrown(mover *m, rng *r, int shape)
-{
-    uint32_t id = add_shape(m, shape, rng_between(r, -6, 6), rng_between(r, -6, 6));
-    duet_body *b = &m->bodies[id];
-    m->poses[id].centre[2] = (float)rng_between(r, 2, 8);
-    mover_turn(m, id, rng_normal(r), rng_normal(r), rng_normal(r), rng_between(r, 0, 3));
-    b->friction = (float)rng_between(r, 0, 1);
-    b->restitution = (float)rng_between(r, 0, 0.5);
-    for (int k = 0; k < 3; ++k) {
-        b->velocity[k] = (float)(rng_normal(r) * (k == 2 ? 20 : 2));
-        b->angular_velocity[k] = (float)(rng_normal(r) * 5);
-    }
-}
 
 // A body's axes, in double.
 static void axes_of(const duet_state *s, vector axis[3])
@@ -413,10 +257,10 @@ static double depth_of_places(const field *f, const mover *m, uint32_t id)
     double deepest = -INFINITY;
     axes_of(&m->states[id], axis);
     for (uint32_t i = 0; i < f->heights.nx * f->heights.ny; ++i) {
-        vector way = less(place(f, i % f->heights.nx, i / f->heights.nx), c);
+        vector way = vector_less(place(f, i % f->heights.nx, i / f->heights.nx), c);
         double depth = INFINITY, square = 0;
         for (int k = 0; k < 3; ++k) {
-            double beyond = fabs(dot(way, axis[k])) - (double)m->poses[id].half_extents[k];
+            double beyond = fabs(vector_dot(way, axis[k])) - (double)m->poses[id].half_extents[k];
             depth = fmin(depth, -beyond);
             square += beyond > 0 ? beyond * beyond : 0;
         }
@@ -430,12 +274,12 @@ static double depth_of_places(const field *f, const mover *m, uint32_t id)
 // lies deeper than a margin.
 TEST(nothing_falls_through)
 {
-    rng r = drawn = rng_seed(test_seed());
+    rng r = ground_drawn = rng_seed(test_seed());
     field *f = malloc(sizeof *f);
-    fill(f, 65, 0.5, rough);
+    fill(f, 65, 0.5, ground_rough);
     mover *m = on_ground(f);
     for (int k = 0; k < 120; ++k)
-        add_thrown(m, &r, k % SHAPES);
+        ground_add_thrown(m, &r, k % GROUND_KINDS);
     for (int i = 0; i < 60; ++i) {
         mover_run(m, 5);
         mover_assert_finite(m);
@@ -443,14 +287,14 @@ TEST(nothing_falls_through)
             const double *c = m->states[id].centre;
             double above = above_ground(f, (vector){c[0], c[1], c[2]});
             if (!(above > -0.05)) // it may be pushed so deep by what falls on it
-                fail_msg("shape %u is %g below the ground after %d steps", id % SHAPES, -above,
-                         5 * (i + 1));
+                fail_msg("shape %u is %g below the ground after %d steps", id % GROUND_KINDS,
+                         -above, 5 * (i + 1));
         }
     }
     for (uint32_t id = 0; id < m->n; ++id) {
         double corners = depth_of_corners(f, m, id), places = depth_of_places(f, m, id);
-        if (!(corners < 4 * slop && places < 4 * slop))
-            fail_msg("shape %u lies %g deep by its corners, %g by the ground's", id % SHAPES,
+        if (!(corners < 4 * ground_slop && places < 4 * ground_slop))
+            fail_msg("shape %u lies %g deep by its corners, %g by the ground's", id % GROUND_KINDS,
                      corners, places);
     }
     free(f);
@@ -458,29 +302,17 @@ TEST(nothing_falls_through)
 
 // ---------------------------------------------------------------- the same bits
 
-static uint64_t hash_of(const field *f, uint32_t share, double skin, bool sleeps)
-{
-    rng r = rng_seed(11);
-    mover *m = on_ground(f);
-    m->def.plan.share = share;
-    m->def.skin = skin;
-    m->def.wants |= sleeps ? DUET_EFFECT_SLEEP : 0;
-    for (int k = 0; k < 60; ++k)
-        add_thrown(m, &r, k % SHAPES);
-    mover_run(m, 90);
-    return mover_hash(m);
-}
-
 TEST(any_share_and_any_skin_give_the_same_bits)
 {
-    drawn = rng_seed(3);
+    ground_drawn = rng_seed(3);
     field *f = malloc(sizeof *f);
-    fill(f, 65, 0.5, rough);
-    uint64_t expected = hash_of(f, 0, 0, false);
-    assert_int_equal(hash_of(f, DUET_SHARE_ONE / 2, 0, false), expected);
-    assert_int_equal(hash_of(f, DUET_SHARE_ONE, 0.1, false), expected);
-    assert_int_equal(hash_of(f, 0, 0.3, false), expected);
-    assert_int_equal(hash_of(f, 0, 0.3, true), hash_of(f, DUET_SHARE_ONE / 3, 0.05, true));
+    fill(f, 65, 0.5, ground_rough);
+    uint64_t expected = ground_hash(on_ground(f), 0, 0, false);
+    assert_int_equal(ground_hash(on_ground(f), DUET_SHARE_ONE / 2, 0, false), expected);
+    assert_int_equal(ground_hash(on_ground(f), DUET_SHARE_ONE, 0.1, false), expected);
+    assert_int_equal(ground_hash(on_ground(f), 0, 0.3, false), expected);
+    assert_int_equal(ground_hash(on_ground(f), 0, 0.3, true),
+                     ground_hash(on_ground(f), DUET_SHARE_ONE / 3, 0.05, true));
     free(f);
 }
 
@@ -508,37 +340,15 @@ TEST(the_ground_is_one_partner_in_events_and_hits)
     free(f);
 }
 
-// Thirty bodies thrown on a ground, which move for `steps`.
-static mover *thrown_on(const field *f, int steps)
-{
-    rng r = rng_seed(5);
-    mover *m = on_ground(f);
-    m->def.wants |= DUET_EFFECT_SLEEP;
-    m->def.skin = 0.1;
-    for (int k = 0; k < 30; ++k)
-        add_thrown(m, &r, k % SHAPES);
-    if (steps > 0)
-        mover_run(m, steps);
-    return m;
-}
-
 // Loads into the motion itself, and into one whose ground is another until then.
 TEST(a_saved_motion_takes_its_ground_along_bit_for_bit)
 {
     field *f = malloc(sizeof *f), *other = malloc(sizeof *other);
-    drawn = rng_seed(5);
-    fill(f, 65, 0.5, rough);
+    ground_drawn = rng_seed(5);
+    fill(f, 65, 0.5, ground_rough);
     fill(other, 9, 1, slope);
-    mover *m = thrown_on(f, 100), *n = thrown_on(other, 3);
-    must(duet_motion_save(m->motion, "saved", ERR));
-    mover_run(m, 50);
-    uint64_t expected = mover_hash(m);
-    must(duet_motion_load(m->motion, "saved", ERR));
-    mover_run(m, 50);
-    assert_int_equal(mover_hash(m), expected);
-    must(duet_motion_load(n->motion, "saved", ERR));
-    mover_run(n, 50);
-    assert_int_equal(mover_hash(n), expected);
+    mover *m = ground_throw(on_ground(f), 100), *n = ground_throw(on_ground(other), 3);
+    ground_assert_saved(m, n);
     const duet_heights *h = duet_motion_get_def(n->motion)->heights;
     assert_true(h->nx == 65 && h->ny == 65 && h->spacing[1] == 0.5 && h->origin[0] == -16);
     assert_memory_equal(h->heights, f->values, 65 * 65 * sizeof *f->values);
@@ -546,39 +356,18 @@ TEST(a_saved_motion_takes_its_ground_along_bit_for_bit)
     free(other);
 }
 
-static duet_status replay_status(mover *m, const char *says)
-{
-    duet_error err = {0};
-    duet_replay *replay = must(duet_replay_create("recorded", ERR));
-    duet_status status = DUET_STATUS_OK;
-    for (int i = 0; i < 40 && status == DUET_STATUS_OK; ++i) {
-        duet_motion_result result;
-        if (!duet_replay_advance(replay, m->motion, &result, &err))
-            status = err.status;
-    }
-    if (says && (!strstr(err.text, says) || strchr(err.text, '\n')))
-        fail_msg("'%s' does not say '%s' in a line", err.text, says);
-    duet_replay_destroy(replay);
-    return status;
-}
-
 // The last replayed step compares the hash.
 TEST(a_recording_is_for_the_ground_that_it_was_made_on)
 {
     field *f = malloc(sizeof *f);
-    drawn = rng_seed(5);
-    fill(f, 65, 0.5, rough);
-    mover *m = thrown_on(f, 1);
-    must(duet_motion_save(m->motion, "begin", ERR));
-    must(duet_motion_record(m->motion, ERR));
-    mover_run(m, 40);
-    must(duet_motion_save_recording(m->motion, "recorded", ERR));
-    must(duet_motion_load(m->motion, "begin", ERR));
-    assert_int_equal(replay_status(m, NULL), DUET_STATUS_OK);
+    ground_drawn = rng_seed(5);
+    fill(f, 65, 0.5, ground_rough);
+    mover *m = ground_throw(on_ground(f), 1);
+    ground_assert_recorded(m);
     f->values[2000] += 0x1p-10f;
-    mover *n = thrown_on(f, 1);
-    assert_int_equal(replay_status(n, "recorded on a ground; the motion has another"),
-                     DUET_STATUS_BAD_INPUT);
+    mover *n = ground_throw(on_ground(f), 1);
+    must_fail(ground_replay(n, ERR), DUET_STATUS_BAD_INPUT,
+              "recorded on a ground; the motion has another");
     f->values[2000] -= 0x1p-10f;
     free(f);
 }
@@ -637,7 +426,7 @@ static void refuse(const mover *m, const duet_heights *h, const char *says)
 TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
 {
     field *f = malloc(sizeof *f);
-    fill(f, 5, 1, flat);
+    fill(f, 5, 1, ground_flat);
     mover *m = on_ground(f);
     mover_add_cube(m, 0, 0, 1, 1);
     static const uint32_t sizes[][2] = {

@@ -225,7 +225,7 @@ static bool rests_on(const mover *m, uint32_t upper, uint32_t lower)
     return over && fabs(gap) < 0.01;
 }
 
-// What a brick bears, itself included: the mass, its centre along x, the most bricks on each other.
+// A brick and all that it bears: the mass, its moment along x, the most bricks on each other.
 typedef struct pressing {
     double mass, moment;
     uint32_t layers;
@@ -289,7 +289,7 @@ static double asked_by_lean(const mover *m, uint32_t i, const pressing *p)
     return asked <= 64 ? asked : 0;
 }
 
-// Of all columns of bricks, by every pair of them.
+// The most substeps that any column of bricks asks for, by every pair of bricks.
 static uint32_t most_asked(const mover *m)
 {
     pressing all[MOVER_MOST] = {{0}};

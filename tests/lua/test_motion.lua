@@ -38,21 +38,28 @@ holds("a row of a body may end behind sensor", function()
   raises("13 numbers, and a row has 19", set.set, set, 0, 1, 0, 0, 0, 0, 0, 2, 0, 0.5, 1, mask, 0, false)
 end)
 
--- A ground of one cell that leans by 0.1 along x, and a cube that slides on it.
-holds("a def has a ground of heights", function()
+-- The call that makes a motion of a cube on a ground.
+local function on_ground(shape, ground)
   local cube <const> = { { 0, 0, 0.75, 0.5, 0.5, 0.5, 0, 0, 0, 1 } }
   local smooth <const> = { { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, mask, 0, false, false } }
-  local function with(heights)
-    return pair.motion, pair, cube, smooth, { gravity = { 0, 0, -10 }, wants = { "contact_response" }, heights = heights }
-  end
-  local ground <const> = { nx = 2, ny = 2, spacing = 40, origin = { -20, -20, 0 }, values = { 2, -2, 2, -2 } }
-  local make <const>, self, poses, bodies, def = with(ground)
+  local def <const> = { gravity = { 0, 0, -10 }, wants = { "contact_response" }, [shape] = ground }
+  return pair.motion, pair, cube, smooth, def
+end
+
+-- The ground leans by 0.1 along x.
+local function slides_on(shape, ground)
+  local make <const>, self, poses, bodies, def = on_ground(shape, ground)
   local motion <close> = assert(make(self, poses, bodies, def))
   for _ = 1, 60 do assert(motion:advance()) end
   local x, _, z = assert(motion:read()):get(0)
   local slope <const> = 0.1 / (1 + 0.1 ^ 2) -- sine times cosine
   equal(math.abs(x - 10 / 2 * slope) < 0.05, true)
   equal(math.abs(z - (0.5 * math.sqrt(1.01) - 0.1 * x)) < 0.01, true)
+end
+
+holds("a def has a ground of heights", function()
+  local function with(heights) return on_ground("heights", heights) end
+  slides_on("heights", { nx = 2, ny = 2, spacing = 40, origin = { -20, -20, 0 }, values = { 2, -2, 2, -2 } })
   raises("field 'heights': 3, not a table of nx, ny", with(3))
   raises("field 'heights': the fields are", with { nx = 2, ny = 2, value = {} })
   raises("field 'heights': values must be nx times ny numbers", with { nx = 2, ny = 2, values = { 1, 2, 3 } })
@@ -61,21 +68,9 @@ holds("a def has a ground of heights", function()
   raises("field 'heights': material must be", with { nx = 2, ny = 2, values = { 1, 2, 3, 4 }, material = 16 })
 end)
 
--- The same ground as two triangles.
 holds("a def has a mesh", function()
-  local cube <const> = { { 0, 0, 0.75, 0.5, 0.5, 0.5, 0, 0, 0, 1 } }
-  local smooth <const> = { { 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, mask, 0, false, false } }
-  local function with(mesh)
-    return pair.motion, pair, cube, smooth, { gravity = { 0, 0, -10 }, wants = { "contact_response" }, mesh = mesh }
-  end
-  local mesh <const> = { vertices = { -20, -20, 2, 20, -20, -2, -20, 20, 2, 20, 20, -2 }, triangles = { 0, 1, 3, 0, 3, 2 } }
-  local make <const>, self, poses, bodies, def = with(mesh)
-  local motion <close> = assert(make(self, poses, bodies, def))
-  for _ = 1, 60 do assert(motion:advance()) end
-  local x, _, z = assert(motion:read()):get(0)
-  local slope <const> = 0.1 / (1 + 0.1 ^ 2) -- sine times cosine
-  equal(math.abs(x - 10 / 2 * slope) < 0.05, true)
-  equal(math.abs(z - (0.5 * math.sqrt(1.01) - 0.1 * x)) < 0.01, true)
+  local function with(mesh) return on_ground("mesh", mesh) end
+  slides_on("mesh", { vertices = { -20, -20, 2, 20, -20, -2, -20, 20, 2, 20, 20, -2 }, triangles = { 0, 1, 3, 0, 3, 2 } })
   raises("field 'mesh': 3, not a table of file and scale", with(3))
   raises("field 'mesh': the fields are", with { vertex = {} })
   raises("field 'mesh': vertices must be a list", with { vertices = { 1, 2 }, triangles = { 0, 1, 2 } })

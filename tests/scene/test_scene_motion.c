@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a scene's script says of motion, and what it may not say.
+// A scene's script says things of motion, and may not say others.
 #include "support/scene_file.h"
 #include "support/test.h"
 
