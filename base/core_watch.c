@@ -210,7 +210,7 @@ static uint64_t most(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-// What the threads did during a launch of ns.
+// The threads' work and waits during a launch.
 typedef struct thread_sums {
     uint64_t longest_wait_ns;
     uint64_t ran_ns;     // of all

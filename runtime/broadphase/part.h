@@ -113,7 +113,7 @@ part_found part_found_of(const uint32_t counts[COUNTERS]);
 typedef struct part_counted {
     uint64_t n;
     uint64_t hash; // by global ids (kernels/grid/count_pairs.cl)
-    uint64_t left; // others, which come to the host
+    uint64_t left; // others with one of the first n objects (global_ids.h): these come to the host
 } part_counted;
 
 // The findings of a step, and its cost.
@@ -276,8 +276,7 @@ bool part_receive_grid(part *to, part *from, duet_error *err);
 // space, and the grid must be built again.
 bool part_search(part *p, duet_error *err);
 
-// Adds what was counted on the device to the part's span, which then has all pairs of the last
-// step.
+// Brings the pairs that stayed on the device, so that the part's span has all of the last step.
 bool part_read_counted(part *p, duet_error *err);
 
 uint64_t part_bytes(const part *p); // memory held on the device

@@ -277,20 +277,19 @@ bool part_fetch(part *p, duet_error *err)
     return ok;
 }
 
-// The pairs that the host decided stand at the span's end, and nowhere else. Pairs of which no object
-// has an id are neither counted nor left.
+// The pairs that the host decided stand at the span's end, and nowhere else.
 bool part_read_counted(part *p, duet_error *err)
 {
-    uint64_t n = p->result.found.pairs, n_decided = p->result.span.n - p->result.counted.left;
-    if (!p->task.ids || p->result.counted.left == n)
+    uint64_t n = p->result.found.pairs, n_there = count_to_fetch(p);
+    if (n_there == n)
         return true;
+    uint64_t n_decided = p->result.span.n - n_there;
     duet_pair *decided = malloc((size_t)n_decided * sizeof *decided + 1);
     if (!decided)
         return error_set(err, DUET_STATUS_NO_MEMORY, "%llu pairs: no memory",
                          (unsigned long long)n_decided);
     if (n_decided > 0)
-        memcpy(decided, p->result.span.pairs + p->result.counted.left,
-               (size_t)n_decided * sizeof *decided);
+        memcpy(decided, p->result.span.pairs + n_there, (size_t)n_decided * sizeof *decided);
     bool ok = host_block_reserve(&p->fetched, p->device, 1,
                                  (size_t)(n + n_decided) * sizeof *decided, err) &&
               timeline_read(&p->times, "fetch pairs", &p->pairs, p->fetched.bytes,

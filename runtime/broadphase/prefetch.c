@@ -82,7 +82,7 @@ static bool skim(part *p, const duet_world_def *def, const float inside_lower[3]
                  const float inside_upper[3], duet_error *err)
 {
     const device_view *v = &p->objects;
-    if (!view_is_prefetched(v, v->generation) || !has_kernel(p, def, err))
+    if (!is_prefetched(p) || !has_kernel(p, def, err))
         return false;
     uint32_t n = v->chunks[v->n_chunks - 1].to, from = 0;
     size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);

@@ -190,12 +190,12 @@ bool world_step_resident(duet_world *world, const buffer *bounds, uint32_t n, bo
                          duet_result *result, const buffer **pairs, duet_error *err);
 
 // A step in which a device with memory of its own counts the pairs of objects that have global ids,
-// and adds up their hash, in counted[side]. The result's pairs and spans have only the others, and
-// all that other devices found.
+// and adds up their hash, in counted[side]. The result's pairs and spans have only the others, less
+// those of two objects behind the ids, and all that other devices found.
 bool world_step_counting(duet_world *world, const global_ids *ids, duet_result *result,
                          part_counted counted[2], duet_error *err);
 
-// Brings what that step counted: the spans then have all its pairs, until the next one.
+// Brings the pairs that stayed on devices: the spans then have all of that step, until the next.
 bool world_read_counted(duet_world *world, duet_span spans[2], duet_error *err);
 
 #endif

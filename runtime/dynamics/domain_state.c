@@ -175,6 +175,8 @@ static bool put(duet_motion *m, motion_buffer which, const void *from, size_t n,
 static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error *err)
 {
     m->graph.n_contacts = c->n;
+    if (c->n > 0)
+        product_renew(&m->products, PRODUCT_ROWS); // made elsewhere, of no pairs here
     return put(m, LINKS, c->links, c->n, sizeof *c->links, err) &&
            put(m, TOUCHES, c->touches, c->n, sizeof *c->touches, err) &&
            put(m, COLOUR_OF, c->colours, c->n, sizeof *c->colours, err) &&

@@ -22,7 +22,7 @@ static bool prepare_woken(duet_motion *m, duet_error *err)
     return prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
 }
 
-// Where there are lists they get what woke.
+// Lists, if there are any, get what woke.
 static bool wake_touched(duet_motion *m, duet_error *err)
 {
     if (!motion_launch(m, "sleep", m->kernels.update_sleep, m->awake.n_bodies, err))
@@ -68,5 +68,5 @@ bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err)
         return true;
     return timeline_write_at(&m->times, "sleep", &m->buffers[FLAG_WORDS],
                              FLAG_FELL_ASLEEP * sizeof one, &one, sizeof one, err) &&
-           prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
+           prepare_woken(m, err);
 }

@@ -83,7 +83,7 @@ static bool turns(const duet_state *s)
     return w[0] != 0.0 || w[1] != 0.0 || w[2] != 0.0;
 }
 
-// What an object's turning has, and adds to its angular momentum.
+// Returns an object's energy of turning, and adds to its angular momentum.
 static double turning_of(const duet_motion *m, uint32_t id, const duet_state *s, double angular[3])
 {
     double inverse[3], axes[3][3], turning = 0.0;

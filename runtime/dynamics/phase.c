@@ -13,10 +13,8 @@ static void assert_phase(const duet_motion *m)
     assert(m->phase == MOTION_MAPPED || m->phase == MOTION_BROKEN || m->mapped == 0);
     assert(m->phase != MOTION_MAPPED || m->mapped != 0);
     assert(m->phase == MOTION_STEPPING || !m->halves.thread.owner);
-    // Contacts have rows, but for those that a domain was given: its first step makes them.
     assert(m->graph.n_contacts == 0 || m->phase == MOTION_BROKEN ||
-           product_was_made(&m->products, PRODUCT_ROWS) ||
-           !product_was_made(&m->products, PRODUCT_BOUNDS));
+           product_was_made(&m->products, PRODUCT_ROWS));
     assert(m->altered.n == 0 || product_is_forgotten(&m->products, PRODUCT_PAIRS));
     products_assert(&m->products);
     (void)m;

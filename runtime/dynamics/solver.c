@@ -35,13 +35,13 @@ static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint3
 }
 
 // Colours that one work-group has space for are taken by the same one.
-static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t from)
+static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t from, uint32_t to)
 {
-    uint32_t to = from + 1;
+    uint32_t end = from + 1;
     if (s->colours[from].count <= k->group * k->per_item)
-        while (to < COLOUR_OVERFLOW && s->colours[to].count <= k->group * k->per_item)
-            ++to;
-    return to;
+        while (end < to && s->colours[end].count <= k->group * k->per_item)
+            ++end;
+    return end;
 }
 
 // ---------------------------------------------------------------- colours by a team
@@ -68,18 +68,26 @@ static bool launch_team(duet_motion *m, const kernel *k, uint32_t from, uint32_t
 
 // ---------------------------------------------------------------- colours by launches
 
+// Takes colours below COLOUR_OVERFLOW.
+static bool launch_below(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
+                         duet_error *err)
+{
+    const contact_solver *s = &m->solver;
+    bool ok = true;
+    for (uint32_t next; ok && from < to; from = next) {
+        next = end_of_few(s, k, from, to);
+        ok = launch_colours(m, k, from, next, k->per_item, most_of(s, from, next), err);
+    }
+    return ok;
+}
+
 // Contacts that found no colour are taken in order, by one work-item.
 static bool launch_each(duet_motion *m, const kernel *k, duet_error *err)
 {
-    const contact_solver *s = &m->solver;
-    uint32_t in_order = s->colours[COLOUR_OVERFLOW].count;
-    bool ok = true;
-    for (uint32_t from = 0, to = 0; ok && from < COLOUR_OVERFLOW; from = to) {
-        to = end_of_few(s, k, from);
-        ok = launch_colours(m, k, from, to, k->per_item, most_of(s, from, to), err);
-    }
-    return ok && (in_order == 0 ||
-                  launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
+    uint32_t in_order = m->solver.colours[COLOUR_OVERFLOW].count;
+    return launch_below(m, k, 0, COLOUR_OVERFLOW, err) &&
+           (in_order == 0 ||
+            launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
 }
 
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
@@ -221,18 +229,8 @@ bool domain_integrate_positions(duet_motion *m, duet_error *err)
 static bool launch_between(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
                            duet_error *err)
 {
-    const contact_solver *s = &m->solver;
-    bool ok = true;
-    if (most_of(s, from, to) == 0)
-        return true;
-    if (team_takes(k))
-        return launch_team(m, k, from, to, err);
-    for (uint32_t next; ok && from < to; from = next) {
-        next = end_of_few(s, k, from);
-        next = next < to ? next : to;
-        ok = launch_colours(m, k, from, next, k->per_item, most_of(s, from, next), err);
-    }
-    return ok;
+    return most_of(&m->solver, from, to) == 0 ||
+           (team_takes(k) ? launch_team(m, k, from, to, err) : launch_below(m, k, from, to, err));
 }
 
 // Launches a kernel for one of the contacts that have no colour of their own.

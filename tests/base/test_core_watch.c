@@ -138,7 +138,8 @@ TEST(a_thread_that_waits_for_work_that_comes_loses_it)
     assert_true(use.disturbed);
 }
 
-// What other programs have is known only after a while, and the launch has more threads than cores.
+// The share of other programs is known only after a while, and the launch has more threads than
+// cores.
 TEST(a_program_disturbs_the_first_launch_too)
 {
     cpu_set_t all = keep_one_core();

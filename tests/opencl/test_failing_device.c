@@ -243,7 +243,8 @@ static void assert_right(duet_world *world, uint32_t share)
 static bool is_borne(call c)
 {
     const device *d = &devices->devices[1];
-    return (c == CREATE && !d->info.host_memory) || (c == BUILD && !(d->quirks & DRIVER_KEEPS_KERNELS));
+    return (c == CREATE && !d->info.host_memory) ||
+           (c == BUILD && !(d->quirks & DRIVER_KEEPS_KERNELS));
 }
 
 // Lets the k-th call of a step fail; false where the step has no such call.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+// Says why a test program crashes, in any of its threads: the signal, the address, the thread, the
+// test and the calls that led there. Every test program has it.
 #define _GNU_SOURCE
-#include "support/crash.h"
+#include "support/test.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -75,7 +77,7 @@ static void tell(int number, const siginfo_t *info)
     void *calls[MOST_CALLS];
     int n = snprintf(line, sizeof line, "\n%s: SIG%s at %p in thread %d of process %d, test %s\n",
                      program_invocation_short_name, sigabbrev_np(number), info->si_addr, gettid(),
-                     getpid(), crash_test ? crash_test : "not known");
+                     getpid(), test_running ? test_running : "not known");
     if (write(STDERR_FILENO, line, (size_t)n) != n)
         return;
     n = backtrace(calls, MOST_CALLS);

@@ -7,7 +7,6 @@
 #include "gen/script.h"
 #include "profiles/store.h"
 #include "runtime/opencl/device.h"
-#include "support/crash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -21,7 +20,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *crash_test;
+const char *test_running;
 
 _Thread_local duet_error test_error;
 
@@ -153,7 +152,7 @@ void test_must_fail(bool failed, const char *call, duet_status status, const cha
 static int begin_test(void **state)
 {
     static int n_begun;
-    crash_test = tests[n_begun++].name;
+    test_running = tests[n_begun++].name;
     return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;
 }
 

@@ -32,6 +32,8 @@ void test_each(CMFixtureFunction begin, CMFixtureFunction end);
 // Returns how many failed.
 int test_run(CMFixtureFunction begin, CMFixtureFunction end);
 
+extern const char *test_running; // its name; NULL before the first
+
 #define TEST_MAIN(begin, end)        \
     int main(void)                   \
     {                                \
