@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SETS = 4, MOST = 4000, ROUNDS = 60 };
+enum { SETS = 4, MOST = 4000, ROUNDS = 100 };
 
 // Objects, and the hash of their pairs.
 static struct {
@@ -208,7 +208,7 @@ TEST(any_way_and_order_gives_the_reference_pairs)
         try_in_any_order(&r, DUET_SHAPE_POSES, memory < 2);
         try_in_any_order(&r, DUET_SHAPE_BOUNDS, memory >= 2);
     }
-    assert_true(n_prefetched > 0 && n_listed > 0 && n_in_ranges > 0);
+    assert_true(n_prefetched > 10 && n_listed > 10 && n_in_ranges > 10);
 }
 
 TEST_MAIN(open_devices, close_devices)
