@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static bool reserve(text *t, size_t more)
 {
@@ -105,6 +106,12 @@ void text_free(text *t)
 {
     free(t->chars);
     *t = (text){0};
+}
+
+bool text_ends_with(const char *chars, const char *ending)
+{
+    size_t n = strlen(chars), m = strlen(ending);
+    return n > m && strcasecmp(chars + n - m, ending) == 0;
 }
 
 uint64_t text_checksum(const char *bytes, size_t n)

@@ -33,6 +33,9 @@ const char *text_chars(const text *t); // never NULL
 bool text_ok(const text *t, duet_error *err);
 void text_free(text *t);
 
+// Whether more than ending stands in chars and ends with it, in capitals or not.
+bool text_ends_with(const char *chars, const char *ending);
+
 // FNV-1a, by which a file of ours shows that it is whole.
 uint64_t text_checksum(const char *bytes, size_t n);
 

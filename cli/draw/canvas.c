@@ -4,6 +4,7 @@
 #include "cli/draw/canvas.h"
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/text_file.h"
 
 #include <cairo-svg.h>
@@ -28,17 +29,10 @@ static cairo_status_t add_bytes(void *bytes, const unsigned char *data, unsigned
     return ((text *)bytes)->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
 
-static bool ends_with(const char *path, const char *ending)
-{
-    size_t n = strlen(path);
-    size_t m = strlen(ending);
-    return n > m && strcmp(path + n - m, ending) == 0;
-}
-
 canvas *canvas_open(const char *path, double width, double height, duet_error *err)
 {
-    bool is_png = ends_with(path, ".png");
-    if (!is_png && !ends_with(path, ".svg") && strcmp(path, "-") != 0)
+    bool is_png = text_ends_with(path, ".png");
+    if (!is_png && !text_ends_with(path, ".svg") && strcmp(path, "-") != 0)
         return error_null(err, DUET_STATUS_BAD_ARGUMENT,
                           "'%s': a picture's name ends with .svg or .png", path);
     canvas *c = calloc(1, sizeof *c);

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/output.h"
+#include "base/text.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -203,12 +204,6 @@ typedef struct entry_file {
     struct timespec used;
 } entry_file;
 
-static bool ends_with(const char *name, const char *end)
-{
-    size_t n = strlen(name), m = strlen(end);
-    return n > m && strcmp(name + n - m, end) == 0;
-}
-
 static int by_use(const void *a, const void *b)
 {
     const struct timespec *x = &((const entry_file *)a)->used, *y = &((const entry_file *)b)->used;
@@ -224,9 +219,9 @@ static bool note_entry(int folder, const char *name, entry_file *file)
     struct stat info;
     if (fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(info.st_mode))
         return false;
-    if (ends_with(name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
+    if (text_ends_with(name, ".part") && time(NULL) - info.st_mtime > WRITTEN_BY_THEN_S)
         unlinkat(folder, name, 0);
-    if (!ends_with(name, ".bin") || strlen(name) >= sizeof file->name)
+    if (!text_ends_with(name, ".bin") || strlen(name) >= sizeof file->name)
         return false;
     snprintf(file->name, sizeof file->name, "%s", name);
     file->bytes = (uint64_t)info.st_size;

@@ -3,6 +3,7 @@
 
 #include "base/budget.h"
 #include "base/error.h"
+#include "base/text.h"
 #include "base/text_file.h"
 #include "runtime/narrowphase/mesh.h"
 
@@ -306,16 +307,10 @@ static bool read_stl(reading *r, const text *file)
 
 // ---------------------------------------------------------------- files
 
-static bool ends_with(const char *path, const char *ending)
-{
-    size_t n = strlen(path), m = strlen(ending);
-    return n >= m && strcasecmp(path + n - m, ending) == 0;
-}
-
 static bool read_bytes(reading *r, const text *file)
 {
     r->at = file->chars ? file->chars : "";
-    bool ok = ends_with(r->path, ".stl") ? read_stl(r, file) : read_obj(r);
+    bool ok = text_ends_with(r->path, ".stl") ? read_stl(r, file) : read_obj(r);
     return ok && budget_check(r->err) &&
            (r->n_triangles > 0 || error_set(r->err, DUET_STATUS_BAD_INPUT,
                                             "%s: no triangle; expected one or more", r->path));
@@ -326,7 +321,7 @@ bool mesh_file_read(duet_mesh *mesh, const char *path, double scale, duet_error 
     text file = {0};
     reading r = {.path = path, .unit = "line", .number = 1, .scale = scale, .err = err};
     *mesh = (duet_mesh){0};
-    if (!ends_with(path, ".stl") && !ends_with(path, ".obj"))
+    if (!text_ends_with(path, ".stl") && !text_ends_with(path, ".obj"))
         return error_set(err, DUET_STATUS_BAD_INPUT, "%s: no mesh; expected a file .stl or .obj",
                          path);
     bool ok = text_read_file(&file, path, err) && read_bytes(&r, &file);
