@@ -114,7 +114,7 @@ bool view_update_list(device_view *v, timeline *t, compaction *c, int side, uint
     const size_t capacity = s.list->capacity;
     bool placed = false;
     assert(wanted->kind == SELECT_LIST && !v->bound.mem);
-    v->n_chunks = 0;
+    view_drop_chunks(v, t);
     if (view_has(v, generation, wanted))
         return true;
     v->generation = 0;

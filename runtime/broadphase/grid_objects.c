@@ -25,7 +25,7 @@ static const void *row_of(const grid_objects *objects, uint32_t id)
 const duet_pose *grid_pose_of(const grid_objects *objects, uint32_t id, duet_pose *scratch)
 {
     const void *row = row_of(objects, id);
-    if (objects->shape != DUET_SHAPE_SPHERES && !grid_has_sizes(objects))
+    if (objects->shape != DUET_SHAPE_SPHERES && !objects->sizes.rows)
         return row;
     *scratch = (duet_pose){.rotation = {0, 0, 0, 1}};
     memcpy(scratch->centre, row, sizeof scratch->centre);

@@ -25,15 +25,8 @@ typedef struct grid_objects {
     uint32_t dims;
     float origin; // the edge of origin cells, or 0
     host_array all;
-    host_array sizes; // duet_size, if the rows are without
+    host_array sizes; // duet_size; its rows are NULL if the objects' rows have their sizes
 } grid_objects;
-
-// Whether sizes lie apart.
-static inline bool grid_has_sizes(const grid_objects *objects)
-{
-    return objects->kind == DUET_OBJECT_TRANSFORMS ||
-           objects->kind == DUET_OBJECT_COMPACT_TRANSFORMS;
-}
 
 static_assert(offsetof(duet_pose, centre) == 0 && offsetof(duet_bounds, lower) == 0 &&
                   offsetof(duet_transform, centre) == 0 && offsetof(duet_sphere, centre) == 0 &&

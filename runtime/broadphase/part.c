@@ -154,34 +154,11 @@ void part_enter(part *p, part_state to)
     p->state = to;
 }
 
-void part_invalidate(part *p)
-{
-    device_view *views[] = {&p->objects, &p->sizes, &p->levels, &p->global_ids};
-    timeline_clear(&p->times);
-    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i)
-        view_forget(views[i]);
-    p->zero_words = 0;
-}
-
 void part_forget_grid(part *p)
 {
     view_forget(&p->levels);
     if (p->objects.there.kind == SELECT_LIST)
         view_forget(&p->objects);
-}
-
-void part_drop_prefetch(part *p)
-{
-    if (view_is_prefetched(&p->objects, p->objects.generation))
-        timeline_clear(&p->times);
-    p->objects.n_chunks = 0;
-}
-
-void part_begin(part *p, uint64_t step)
-{
-    part_drop_prefetch(p);
-    timeline_begin_step(&p->times, p->device, step);
-    p->result = (part_result){.found.first_bad = UINT32_MAX};
 }
 
 uint64_t part_bytes(const part *p)

@@ -237,12 +237,10 @@ void part_invalidate(part *p);
 // Forgets what was made from the grid: it is another.
 void part_forget_grid(part *p);
 
-// Waits for what was prefetched; chunks of the last step are forgotten, too.
-void part_drop_prefetch(part *p);
-
-// Begins a step, `step` steps after one whose times were asked for: forgets what the last one
-// found and counted, and what was prefetched.
-void part_begin(part *p, uint64_t step);
+// Begins a step of these objects, `step` steps after one whose times were asked for: forgets what
+// the last one found and counted, and what was prefetched of others. A step whose objects are
+// prefetched has begun.
+void part_begin(part *p, const host_array *objects, uint64_t step);
 
 // Enters the next state.
 void part_enter(part *p, part_state to);

@@ -170,8 +170,8 @@ static bool fetch_open(part *p, const duet_pair **open, duet_pair *scratch, duet
 // pairs, two for each.
 typedef struct open_objects {
     grid_objects objects;
-    void *rows; // gathered; NULL: all are seen
-    duet_size *sizes;
+    void *rows;       // gathered; NULL: all are seen
+    duet_size *sizes; // NULL: the rows have theirs
 } open_objects;
 
 static void free_open_objects(open_objects *o)
@@ -185,8 +185,8 @@ static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *
     const duet_size *sizes = p->task.objects->sizes.rows;
     size_t row = p->task.objects->all.row_bytes, n = 2 * (size_t)p->result.n_undecided;
     o->rows = malloc(n * row);
-    o->sizes = malloc(n * sizeof *o->sizes);
-    if (!o->rows || !o->sizes)
+    o->sizes = sizes ? malloc(n * sizeof *o->sizes) : NULL;
+    if (!o->rows || (sizes && !o->sizes))
         return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu objects", n);
     for (size_t i = 0; sizes && i < n; ++i)
         o->sizes[i] = sizes[i % 2 ? open[i / 2].b : open[i / 2].a];

@@ -94,7 +94,7 @@ bool part_leaves_boxes(const part *p)
 {
     const part_task *task = &p->task;
     return p->variant.search == SEARCH_GPU && task->def->ordered &&
-           task->objects->shape == DUET_SHAPE_POSES && !grid_has_sizes(task->objects) &&
+           task->objects->shape == DUET_SHAPE_POSES && !task->objects->sizes.rows &&
            task->objects->origin == 0.0f && task->wanted.kind != SELECT_LIST;
 }
 
@@ -137,7 +137,7 @@ static void choose(const part *p, part_choice choices[PART_CHOICES])
         {"DIMS", o->dims, false},
         {"SHAPE", o->shape, false},
         {"ORIGIN", origin_setting(o->origin), false},
-        {"APART", o->kind == DUET_OBJECT_COMPACT_TRANSFORMS ? 2 : grid_has_sizes(o), false},
+        {"APART", o->kind == DUET_OBJECT_COMPACT_TRANSFORMS ? 2 : o->sizes.rows != NULL, false},
         {"ROTATED", turned, false},
         {"RANK", counting, false},
         {"SORTED", searches[v->search].in_cell_order && !unboxed, false},

@@ -22,25 +22,25 @@ uint32_t part_chunk_size(const part *p, uint32_t n)
 
 // Rows behind prefetched ones travel in chunks, too. A part that receives its grid needs all
 // objects at once.
-static uint32_t chunk_of(const part *p, uint32_t n)
+static uint32_t chunk_of(const part *p, const host_array *objects)
 {
     const part_task *task = &p->task;
     const bool in_chunks = p->variant.send == SEND_CHUNKS && task->role != GRID_RECEIVED &&
                            task->wanted.kind == SELECT_ALL && !p->device->info.host_memory;
-    return in_chunks || p->objects.n_chunks > 0 ? part_chunk_size(p, n) : 0;
+    return in_chunks || view_continues(&p->objects, objects, &task->wanted)
+               ? part_chunk_size(p, objects->n)
+               : 0;
 }
 
 static bool update_objects(part *p, duet_error *err)
 {
     const part_task *task = &p->task;
     const host_array *objects = &task->objects->all;
-    if (!view_continues(&p->objects, objects, &task->wanted))
-        part_drop_prefetch(p);
     bool ok = task->wanted.kind == SELECT_LIST
                   ? view_update_list(&p->objects, &p->times, task->lists, p->side,
                                      objects->generation, &task->wanted, err)
                   : view_update(&p->objects, &p->times, objects, &task->wanted,
-                                chunk_of(p, objects->n), err);
+                                chunk_of(p, objects), err);
     if (ok && !view_has(&p->objects, objects->generation, &task->wanted))
         part_enter(p, PART_CROWDED);
     return ok;

@@ -14,8 +14,8 @@ static bool prefetch(part *p, const host_array *objects, size_t bytes, uint64_t 
                      duet_error *err)
 {
     const selection first = {.kind = SELECT_RANGES, .n_ranges = 1, .ranges = {{0, objects->n}}};
-    part_begin(p, step);
     view_forget(&p->objects);
+    part_begin(p, objects, step);
     return buffer_reserve(&p->objects.own, p->device, bytes, err) &&
            view_update(&p->objects, &p->times, objects, &first, part_chunk_size(p, objects->n),
                        err);

@@ -18,7 +18,96 @@
 
 #include <math.h>
 
-// ---------------------------------------------------------------- parts
+// ---------------------------------------------------------------- who does what
+
+// Leaves pairs on a device if the other one can read them there. A device on host memory gains
+// nothing by it, unless the pairs are wanted in its own buffer.
+static bool pairs_on_device(const duet_world *world, int side)
+{
+    const device *to = world->left.device, *from = world->parts[side].device;
+    return to && (from == to || (!from->info.host_memory && from->context == to->context));
+}
+
+static grid_role role_of(const duet_world *world, int side)
+{
+    const bool shared = world->def.plan.mode == DUET_MODE_SHARED;
+    return !shared ? GRID_OWN : side == 0 ? GRID_RECEIVED : GRID_BUILT;
+}
+
+// The paper's kernels read every object by its id. Each device marks the blocks that the other one
+// needs, so that both read ranges or none does.
+static bool selects_ranges(const duet_world *world)
+{
+    return world->def.ordered && world->def.plan.mode == DUET_MODE_SLAB &&
+           world->variants[0].search != SEARCH_PAPER && world->variants[1].search != SEARCH_PAPER;
+}
+
+// A device with memory of its own gets a list of its slab's objects, if the variant asks for it and
+// that leaves out enough. The kernels know lists of poses and bounds alone.
+static bool selects_list(const duet_world *world, const part_range ranges[2], int side)
+{
+    const grid_objects *o = &world->objects;
+    const part *p = &world->parts[side];
+    const variant *v = &world->variants[side];
+    const bool plain = (o->shape == DUET_SHAPE_POSES || o->shape == DUET_SHAPE_BOUNDS) &&
+                       o->origin == 0.0f && !o->sizes.rows;
+    return world->def.plan.mode == DUET_MODE_SLAB && plain && v->search == SEARCH_GPU &&
+           v->send == SEND_PACKED && !p->device->info.host_memory && !p->objects.bound.mem &&
+           part_range_has_work(&ranges[0]) && part_range_has_work(&ranges[1]) &&
+           compaction_pays(&ranges[side], o->all.n);
+}
+
+static selection select_objects(const duet_world *world, const part_range ranges[2], int side)
+{
+    const part_range *slab = &ranges[side];
+    if (selects_ranges(world))
+        return world->ranges.selections[side];
+    return selects_list(world, ranges, side)
+               ? (selection){SELECT_LIST, .key_from = slab->key_from, .key_to = slab->key_to}
+               : select_all(world->objects.all.n);
+}
+
+// Which objects each part searches around: parts of one sorted order, or slabs.
+static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
+{
+    const uint32_t share = world->def.plan.share, n_cells = world->grid.n_cells;
+    const uint32_t n = world->objects.all.n;
+    if (world->def.plan.mode == DUET_MODE_SLAB)
+        return split_cut(&world->split, &world->grid, &world->objects, share, ranges, err) &&
+               (!selects_ranges(world) || input_ranges_begin(&world->ranges, n, ranges, err));
+    uint32_t cut = (uint32_t)((uint64_t)n * share / DUET_SHARE_ONE);
+    part_range whole = {.home_to = n_cells, .key_to = n_cells, .expected = n};
+    ranges[0] = ranges[1] = whole;
+    ranges[0].last = ranges[1].first = cut;
+    ranges[1].last = n;
+    return true;
+}
+
+static bool give_tasks(duet_world *world, duet_error *err)
+{
+    part_range ranges[2];
+    if (!divide(world, ranges, err))
+        return false;
+    for (int side = 0; side < 2; ++side) {
+        part *p = &world->parts[side];
+        const part_task task = {
+            .def = &world->def,
+            .objects = &world->objects,
+            .grid = &world->grid,
+            .role = role_of(world, side),
+            .other = &world->parts[1 - side],
+            .range = ranges[side],
+            .wanted = select_objects(world, ranges, side),
+            .lists = &world->lists,
+            .ids = p->device->info.host_memory ? NULL : world->counted,
+            .pairs_on_device = pairs_on_device(world, side),
+        };
+        part_take(p, &task);
+    }
+    return true;
+}
+
+// ---------------------------------------------------------------- both parts
 
 // The slab whose objects are to be listed, or NULL.
 static const part_range *slab_to_list(const part *p)
@@ -48,21 +137,12 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
     return error_copy(err, &b->err);
 }
 
-// A prefetched part began when that started.
-static void begin_parts(duet_world *world)
-{
-    for (int side = 0; side < 2; ++side)
-        if (world->objects.all.n == 0 ||
-            !view_is_prefetched(&world->parts[side].objects, world->objects.all.generation))
-            part_begin(&world->parts[side], world->steps);
-}
-
 // *found_all is false if a slab had more objects than space, or a requested block was not selected:
 // both are known then, and the parts are to be run again.
 static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
 {
     part *a = &world->parts[0], *b = &world->parts[1];
-    if (!world_give_tasks(world, err))
+    if (!give_tasks(world, err))
         return false;
     const bool shared = a->task.role == GRID_RECEIVED && part_range_has_work(&a->task.range);
     const bool use[2] = {part_range_has_work(&a->task.range),
@@ -76,7 +156,7 @@ static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
     if (crowded)
         split_forget(&world->split);
     *found_all =
-        !crowded && (!world_selects_ranges(world) || input_ranges_held(&world->ranges, requests));
+        !crowded && (!selects_ranges(world) || input_ranges_held(&world->ranges, requests));
     return true;
 }
 
@@ -90,7 +170,8 @@ static bool find_all(duet_world *world, duet_error *err)
 {
     bool fits = false;
     for (int fit = 0; !fits; ++fit) {
-        begin_parts(world);
+        for (int side = 0; side < 2; ++side)
+            part_begin(&world->parts[side], &world->objects.all, world->steps);
         if (!budget_check(err) || !world_fit_grid(world, false, NULL, err))
             return false;
         if (world->objects.all.n == 0)

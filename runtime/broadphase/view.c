@@ -73,6 +73,13 @@ bool view_is_prefetched(const device_view *v, uint64_t generation)
     return v->n_chunks > 0 && v->there.kind == SELECT_RANGES && v->generation == generation;
 }
 
+void view_drop_chunks(device_view *v, timeline *t)
+{
+    if (view_is_prefetched(v, v->generation))
+        timeline_clear(t);
+    v->n_chunks = 0;
+}
+
 static void assert_invariants(const device_view *v)
 {
     const uint32_t sent_to = v->n_chunks > 0 ? v->chunks[v->n_chunks - 1].to : 0;
@@ -140,7 +147,7 @@ bool view_update(device_view *v, timeline *t, const host_array *from, const sele
     const buffer before = v->own;
     assert(wanted->kind != SELECT_LIST);
     if (!continues)
-        v->n_chunks = 0;
+        view_drop_chunks(v, t);
     v->n = from->n;
     if (v->bound.mem)
         return true;

@@ -72,6 +72,9 @@ void view_bind(device_view *v, const buffer *memory);
 // The memory that kernels read.
 buffer view_buffer(const device_view *v);
 
+// Waits for what was prefetched, and forgets the chunks of the last step.
+void view_drop_chunks(device_view *v, timeline *t);
+
 // Forgets what lies there: after a failure it may not have arrived.
 void view_forget(device_view *v);
 
@@ -81,8 +84,7 @@ bool view_has(const device_view *v, uint64_t generation, const selection *wanted
 // Whether the first rows of that generation are there, or on their way, before a step wants all.
 bool view_is_prefetched(const device_view *v, uint64_t generation);
 
-// Whether view_update would send only what lies behind the prefetched rows. If not, wait for what
-// is under way before the next update.
+// Whether view_update would send only what lies behind the prefetched rows.
 bool view_continues(const device_view *v, const host_array *from, const selection *wanted);
 
 // Makes the view equal to `wanted`, ALL or RANGES of the array. chunk: rows in each of the pieces

@@ -135,12 +135,6 @@ void world_swap_fit(duet_world *world, world_fit *fit);
 // for, if a grid is fitted or slabs of it are to be cut anew, and if a search needs it.
 bool world_fit_grid(duet_world *world, bool seen, thread_pool *threads, duet_error *err);
 
-// Gives each part its work.
-bool world_give_tasks(duet_world *world, duet_error *err);
-
-// Whether a device reads ranges of the input.
-bool world_selects_ranges(const duet_world *world);
-
 // All of a def but its device pair and its plan.
 bool world_check_def(const duet_world_def *def, duet_error *err);
 

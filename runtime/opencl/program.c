@@ -3,29 +3,10 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "runtime/opencl/cache.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void release_kernel(cl_kernel k)
-{
-    if (!k)
-        return;
-    clReleaseKernel(k);
-    device_object_gone();
-}
-
-static void close_program(program *p)
-{
-    for (int i = 0; i < p->n_entries; ++i)
-        release_kernel(p->entries[i].k.cl);
-    program_release(&p->cl);
-    free(p->text);
-    free(p->binary);
-    free(p);
-}
 
 // ---------------------------------------------------------------- the set
 
@@ -62,7 +43,7 @@ void program_set_close(program_set *set)
     while (set && set->first) {
         program *p = set->first;
         set->first = p->next;
-        close_program(p);
+        program_close(p);
     }
     free(set);
 }
@@ -249,78 +230,7 @@ bool program_set_check(program_set *set, const char *kernel_name, const gen_sett
     program *p = new_program(set, &variant, err);
     bool ok = p && program_compile(set, p, err);
     if (p)
-        close_program(p);
+        program_close(p);
     gen_variant_free(&variant);
-    return ok;
-}
-
-// ---------------------------------------------------------------- building
-
-// Unless a folder was named, a driver that keeps its kernels itself is left to do so.
-bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
-{
-    return b->cache_dir && !(b->is_default && (driver_quirks(info) & DRIVER_KEEPS_KERNELS));
-}
-
-static void look_in_folder(const program_set *set, program *p)
-{
-    text binary = {0};
-    cache_key(p->text, PROGRAM_OPTIONS, &set->device->info, p->key);
-    if (cache_get(set->cache_dir, p->key, &binary)) {
-        p->binary = binary.chars;
-        p->binary_bytes = binary.length;
-    }
-}
-
-// Takes what another world has on the device, or the folder.
-static void look_up(program_set *set)
-{
-    for (program *p = set->first; p; p = p->next)
-        if (!p->cl && !program_pool_take(set->device->built, p) && set->cache_dir)
-            look_in_folder(set, p);
-}
-
-static bool create_kernels(const program_set *set, program *p, duet_error *err)
-{
-    for (int i = 0; i < p->n_entries; ++i) {
-        if (p->entries[i].k.cl)
-            continue;
-        cl_int code = CL_SUCCESS;
-        p->entries[i].k.cl = clCreateKernel(p->cl, p->entries[i].entry, &code);
-        if (!p->entries[i].k.cl)
-            return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has no kernel '%s'", p->name,
-                             set->device->info.selector, p->entries[i].entry);
-        device_object_made();
-    }
-    free(p->text);
-    p->text = NULL;
-    return true;
-}
-
-// A failure must not come back when other kernels are asked for.
-static void forget_unbuilt(program_set *set)
-{
-    for (program **at = &set->first; *at;) {
-        program *p = *at;
-        bool built = p->cl && !p->text;
-        while (built && p->n_entries > 0 && !p->entries[p->n_entries - 1].k.cl)
-            --p->n_entries;
-        if (built) {
-            at = &p->next;
-            continue;
-        }
-        *at = p->next;
-        close_program(p);
-    }
-}
-
-bool program_set_build(program_set *set, duet_error *err)
-{
-    look_up(set);
-    bool ok = programs_build(set, err);
-    for (program *p = set->first; ok && p; p = p->next)
-        ok = create_kernels(set, p, err);
-    if (!ok)
-        forget_unbuilt(set);
     return ok;
 }

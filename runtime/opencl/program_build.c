@@ -208,7 +208,9 @@ static uint32_t helpers_for(const program_set *set, uint32_t n)
     return n - 1 < MOST_HELPERS ? n - 1 : MOST_HELPERS;
 }
 
-bool programs_build(program_set *set, duet_error *err)
+// Builds all that is not built, of its binary or else of its text, and puts it into the pool; what
+// was built of its text is kept in the folder. After a failure some may be built.
+static bool build_missing(program_set *set, duet_error *err)
 {
     const program_builder *b = &set->builder;
     uint32_t n = build_binaries(set), n_helpers = helpers_for(set, n);
@@ -221,4 +223,75 @@ bool programs_build(program_set *set, duet_error *err)
     if (b->on_compile && n > 0)
         b->on_compile(b->context, &set->device->info, NULL, n, n);
     return c.failure.status == DUET_STATUS_OK || error_copy(err, &c.failure);
+}
+
+// ---------------------------------------------------------------- a set, with its kernels
+
+// Unless a folder was named, a driver that keeps its kernels itself is left to do so.
+bool program_builder_keeps(const program_builder *b, const duet_device_info *info)
+{
+    return b->cache_dir && !(b->is_default && (driver_quirks(info) & DRIVER_KEEPS_KERNELS));
+}
+
+static void look_in_folder(const program_set *set, program *p)
+{
+    text binary = {0};
+    cache_key(p->text, PROGRAM_OPTIONS, &set->device->info, p->key);
+    if (cache_get(set->cache_dir, p->key, &binary)) {
+        p->binary = binary.chars;
+        p->binary_bytes = binary.length;
+    }
+}
+
+// Takes what another world has on the device, or the folder.
+static void look_up(program_set *set)
+{
+    for (program *p = set->first; p; p = p->next)
+        if (!p->cl && !program_pool_take(set->device->built, p) && set->cache_dir)
+            look_in_folder(set, p);
+}
+
+static bool create_kernels(const program_set *set, program *p, duet_error *err)
+{
+    for (int i = 0; i < p->n_entries; ++i) {
+        if (p->entries[i].k.cl)
+            continue;
+        cl_int code = CL_SUCCESS;
+        p->entries[i].k.cl = clCreateKernel(p->cl, p->entries[i].entry, &code);
+        if (!p->entries[i].k.cl)
+            return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has no kernel '%s'", p->name,
+                             set->device->info.selector, p->entries[i].entry);
+        device_object_made();
+    }
+    free(p->text);
+    p->text = NULL;
+    return true;
+}
+
+// A failure must not come back when other kernels are asked for.
+static void forget_unbuilt(program_set *set)
+{
+    for (program **at = &set->first; *at;) {
+        program *p = *at;
+        bool built = p->cl && !p->text;
+        while (built && p->n_entries > 0 && !p->entries[p->n_entries - 1].k.cl)
+            --p->n_entries;
+        if (built) {
+            at = &p->next;
+            continue;
+        }
+        *at = p->next;
+        program_close(p);
+    }
+}
+
+bool program_set_build(program_set *set, duet_error *err)
+{
+    look_up(set);
+    bool ok = build_missing(set, err);
+    for (program *p = set->first; ok && p; p = p->next)
+        ok = create_kernels(set, p, err);
+    if (!ok)
+        forget_unbuilt(set);
+    return ok;
 }

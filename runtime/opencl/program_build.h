@@ -46,10 +46,6 @@ const char *program_place_message(const char *source, const char *message,
 // Compiles the program's text.
 bool program_compile(const program_set *set, program *p, duet_error *err);
 
-// Builds all that is not built, of its binary or else of its text, and puts it into the pool; what
-// was built of its text is kept in the folder. After a failure some may be built.
-bool programs_build(program_set *set, duet_error *err);
-
 // The programs that were built last on a device. A world or a motion more on it then builds
 // nothing: even where a driver keeps what it built, it reads the whole text again to find it.
 program_pool *program_pool_open(void); // NULL without memory, which is a pool that keeps nothing
@@ -59,6 +55,6 @@ void program_pool_close(program_pool *pool);
 bool program_pool_take(program_pool *pool, program *p);
 void program_pool_put(program_pool *pool, const program *p); // the pool may be NULL
 
-void program_release(cl_program *built); // NULL in it does nothing
+void program_close(program *p); // with its kernels
 
 #endif

@@ -6,13 +6,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-void program_release(cl_program *built)
+static void release_program(cl_program *built)
 {
     if (!*built)
         return;
     clReleaseProgram(*built);
     device_object_gone();
     *built = NULL;
+}
+
+static void release_kernel(cl_kernel k)
+{
+    if (!k)
+        return;
+    clReleaseKernel(k);
+    device_object_gone();
+}
+
+void program_close(program *p)
+{
+    for (int i = 0; i < p->n_entries; ++i)
+        release_kernel(p->entries[i].k.cl);
+    release_program(&p->cl);
+    free(p->text);
+    free(p->binary);
+    free(p);
 }
 
 // Three times what a world and a motion with every effect have together: a search among variants
@@ -41,7 +59,7 @@ void program_pool_close(program_pool *pool)
     if (!pool)
         return;
     for (int i = 0; i < PLACES; ++i)
-        program_release(&pool->places[i].cl);
+        release_program(&pool->places[i].cl);
     pthread_mutex_destroy(&pool->lock);
     free(pool);
 }
@@ -71,7 +89,7 @@ void program_pool_put(program_pool *pool, const program *p)
         return;
     pthread_mutex_lock(&pool->lock);
     unsigned i = pool->next++ % PLACES;
-    program_release(&pool->places[i].cl);
+    release_program(&pool->places[i].cl);
     memcpy(pool->places[i].sha256, p->sha256, sizeof p->sha256);
     pool->places[i].cl = retained(p->cl);
     pthread_mutex_unlock(&pool->lock);

@@ -22,6 +22,15 @@ typedef struct scene_reading {
     bool in_each;
 } scene_reading;
 
+// Words of a scene's script; upvalue 1 is the reading.
+int scene_word_add(lua_State *L);    // add(row of numbers) and add{named parts}
+int scene_word_each(lua_State *L);   // each(n, function(i, random) ... end)
+int scene_word_euler(lua_State *L);  // euler(phi, theta, psi) -> x, y, z, w
+int scene_word_random(lua_State *L); // random(seed)
+
+// Adds the objects of the table at index 1.
+void scene_read_objects(lua_State *L, scene_reading *reading);
+
 // ---------------------------------------------------------------- scene_motion.c
 
 // An object's body, as far as it is given; bits of the fields in their table.
@@ -52,7 +61,6 @@ void scene_read_boundary(lua_State *L, scene_reading *reading);
 void scene_read_wants(lua_State *L, scene_reading *reading);
 void scene_read_integrator(lua_State *L, scene_reading *reading);
 void scene_read_materials(lua_State *L, scene_reading *reading);
-void scene_read_motion_numbers(lua_State *L, scene_reading *reading);
 
 // Makes the bodies of all objects of what was given, after the last field.
 bool scene_fill_bodies(duet_scene *scene, duet_error *err);

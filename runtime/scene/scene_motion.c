@@ -313,42 +313,6 @@ void scene_read_integrator(lua_State *L, scene_reading *reading)
     field_raise(L, "integrator", "integrator is '%s'; it must be euler, verlet or yoshida", name);
 }
 
-void scene_read_motion_numbers(lua_State *L, scene_reading *reading)
-{
-    duet_motion_def *def = &reading->scene->motion;
-    const struct {
-        const char *name;
-        double *value;
-    } numbers[] = {
-        {"drag", &def->drag},
-        {"dt", &def->dt},
-        {"skin", &def->skin},
-        {"slop", &def->slop},
-        {"max_push_speed", &def->max_push_speed},
-        {"restitution_threshold", &def->restitution_threshold},
-        {"sleep_speed", &def->sleep_speed},
-        {"sleep_after", &def->sleep_after},
-        {"hit_speed", &def->hit_speed},
-    };
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
-        *numbers[i].value = field_number(L, 1, numbers[i].name, *numbers[i].value);
-        if (*numbers[i].value < 0)
-            field_raise(L, numbers[i].name, "%s is %g; it must be 0 or above", numbers[i].name,
-                        *numbers[i].value);
-    }
-    int64_t substeps = field_integer(L, 1, "substeps", def->substeps);
-    if (substeps < 0 || substeps > 1000)
-        field_raise(L, "substeps",
-                    "substeps is %lld; it must be 0 (chosen for the scene), or 1 to 1000",
-                    (long long)substeps);
-    def->substeps = (uint32_t)substeps;
-    int64_t event_mask = field_integer(L, 1, "event_mask", def->event_mask);
-    if (event_mask < 0 || event_mask > UINT32_MAX)
-        field_raise(L, "event_mask", "event_mask must be a whole number below 2^32");
-    def->event_mask = (uint32_t)event_mask;
-    def->doubles = field_boolean(L, 1, "doubles", false);
-}
-
 // ---------------------------------------------------------------- for callers
 
 const duet_body *duet_scene_get_bodies(const duet_scene *scene)

@@ -21,17 +21,34 @@ const char *duet_grade_name(duet_grade grade)
     return (unsigned)grade <= DUET_GRADE_DEFAULT ? profile_grade_name((profile_grade)grade) : NULL;
 }
 
+// A profile that was looked for.
+typedef struct choice {
+    profile_subject asked;
+    profile_found found;
+    duet_plan plan; // the found one's, if it is trusted
+    bool read;      // whether the stores could be read
+} choice;
+
 // Says whether the found profile is good enough to be used.
-static bool is_trusted(const profile_found *found)
+static bool is_trusted(const choice *c)
 {
-    return found->grade < PROFILE_STALE;
+    return c->found.grade < PROFILE_STALE;
 }
 
-static void tell(const profile_found *found, duet_profile *profile)
+// A store that cannot be read does not keep another's profile from being found.
+static bool look(choice *c, const char *path, duet_error *err)
 {
+    profile_request request = profile_subject_request(&c->asked);
+    c->read = profile_subject_look(path, &request, &c->found, NULL, err);
+    return !is_trusted(c) || profile_subject_read_plan(&c->found.plan, &c->plan, err);
+}
+
+static bool tell(const choice *c, duet_profile *profile)
+{
+    const profile_found *found = &c->found;
     profile->grade = (duet_grade)found->grade;
-    if (!is_trusted(found))
-        return;
+    if (!is_trusted(c))
+        return c->read;
     profile->accuracy = (duet_accuracy){found->missed_rate, found->false_rate};
     profile->true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0;
     profile->step_ms = found->median_ns * 1e-6;
@@ -40,48 +57,38 @@ static void tell(const profile_found *found, duet_profile *profile)
     profile->gain_high = found->gain_high;
     memcpy(profile->verdict, found->verdict, sizeof profile->verdict);
     profile->measured_s = found->created_ns / 1000000000;
-}
-
-static bool use(duet_world *world, const profile_found *found, duet_profile *profile,
-                duet_error *err)
-{
-    duet_plan plan;
-    duet_level level;
-    if (is_trusted(found)) {
-        if (!profile_subject_read_plan(&found->plan, &plan, err) ||
-            !profile_subject_read_level(found->plan.level, &level, err) ||
-            !duet_world_set_plan(world, &plan, err))
-            return false;
-        world_change_level(world, level);
-        profile->plan = plan;
-        profile->level = level;
-    }
-    tell(found, profile);
-    return true;
+    return c->read;
 }
 
 bool duet_world_load_profile(duet_world *world, const char *path, duet_profile *profile,
                              duet_error *err)
 {
     PUBLIC_CALL(err);
+    choice c;
     if (!world_is_idle(world, __func__, err) || !error_given(profile, __func__, "profile", err))
         return false;
     *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT,
                               .plan = *duet_world_get_plan(world),
                               .level = duet_world_get_level(world)};
-    profile_subject asked;
-    profile_found found;
-    if (!profile_subject_read(world, &asked, err))
+    if (!profile_subject_read(world, &c.asked, err) || !look(&c, path, err))
         return false;
-    profile_request request = profile_subject_request(&asked);
-    bool ok = profile_subject_look(path, &request, &found, NULL, err);
-    return use(world, &found, profile, err) && ok;
+    if (is_trusted(&c)) {
+        duet_level level;
+        if (!profile_subject_read_level(c.found.plan.level, &level, err) ||
+            !duet_world_set_plan(world, &c.plan, err))
+            return false;
+        world_change_level(world, level);
+        profile->plan = c.plan;
+        profile->level = level;
+    }
+    return tell(&c, profile);
 }
 
 bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, const char *path,
                             duet_profile *profile, duet_error *err)
 {
     PUBLIC_CALL(err);
+    choice c;
     query_name name;
     if (!error_given(tree, __func__, "tree", err) || !error_given(query, __func__, "query", err) ||
         !error_given(profile, __func__, "profile", err) || !query_name_read(query, &name, err))
@@ -92,68 +99,43 @@ bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, cons
         (duet_profile){.grade = DUET_GRADE_DEFAULT,
                        .plan = {.share = tree_share_of(tree, canonical), .mode = DUET_MODE_OWN},
                        .level = DUET_LEVEL_CERTIFIED};
-    profile_subject asked;
-    profile_found found;
-    if (!profile_subject_read_query(tree, &name, n, &asked, err))
+    if (!profile_subject_read_query(tree, &name, n, &c.asked, err) || !look(&c, path, err) ||
+        (is_trusted(&c) && !tree_tune(tree, &name, c.plan.share, err)))
         return false;
-    profile_request request = profile_subject_request(&asked);
-    bool ok = profile_subject_look(path, &request, &found, NULL, err);
-    if (is_trusted(&found)) {
-        if (!tree_tune(tree, &name, found.plan.share, err))
-            return false;
-        profile->plan.share = found.plan.share;
-    }
-    tell(&found, profile);
-    return ok;
+    if (is_trusted(&c))
+        profile->plan.share = c.plan.share;
+    return tell(&c, profile);
 }
 
 bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *profile,
                               duet_error *err)
 {
     PUBLIC_CALL(err);
+    choice c;
     if (!motion_is_whole(m, __func__, err) || !error_given(profile, __func__, "profile", err))
         return false;
     *profile = (duet_profile){
         .grade = DUET_GRADE_DEFAULT, .plan = m->def.plan, .level = DUET_LEVEL_CERTIFIED};
-    profile_subject asked;
-    profile_found found;
-    if (!profile_subject_read_motion(m, &asked, err))
+    if (!profile_subject_read_motion(m, &c.asked, err) || !look(&c, path, err) ||
+        (is_trusted(&c) && !duet_motion_set_plan(m, &c.plan, err)))
         return false;
-    profile_request request = profile_subject_request(&asked);
-    bool ok = profile_subject_look(path, &request, &found, NULL, err);
-    if (is_trusted(&found)) {
-        duet_plan plan;
-        if (!profile_subject_read_plan(&found.plan, &plan, err) ||
-            !duet_motion_set_plan(m, &plan, err))
-            return false;
-        profile->plan = m->def.plan;
-    }
-    tell(&found, profile);
-    return ok;
+    profile->plan = m->def.plan;
+    return tell(&c, profile);
 }
 
 bool duet_task_load_profile(duet_task *t, const char *path, duet_profile *profile, duet_error *err)
 {
     PUBLIC_CALL(err);
+    choice c;
     if (!error_given(t, __func__, "task", err) || !error_given(profile, __func__, "profile", err))
         return false;
     *profile =
         (duet_profile){.grade = DUET_GRADE_DEFAULT, .plan = t->plan, .level = DUET_LEVEL_CERTIFIED};
-    profile_subject asked;
-    profile_found found;
-    if (!profile_subject_read_task(t->file, t->pair, &asked, err))
+    if (!profile_subject_read_task(t->file, t->pair, &c.asked, err) || !look(&c, path, err) ||
+        (is_trusted(&c) && !duet_task_set_plan(t, &c.plan, err)))
         return false;
-    profile_request request = profile_subject_request(&asked);
-    bool ok = profile_subject_look(path, &request, &found, NULL, err);
-    if (is_trusted(&found)) {
-        duet_plan plan;
-        if (!profile_subject_read_plan(&found.plan, &plan, err) ||
-            !duet_task_set_plan(t, &plan, err))
-            return false;
-        profile->plan = t->plan;
-    }
-    tell(&found, profile);
-    return ok;
+    profile->plan = t->plan;
+    return tell(&c, profile);
 }
 
 bool duet_world_explain_profile(duet_world *world, const char *path, char **why, duet_error *err)
