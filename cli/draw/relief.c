@@ -7,7 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { MOST_CELLS = 256 }; // drawn along an axis
+enum {
+    MOST_CELLS = 256, // drawn along an axis
+    PIECES = 24       // of a triangle as long as what is shown
+};
 
 static const colour earth = {0.80, 0.77, 0.68, 1};
 
@@ -152,18 +155,66 @@ static bool take_heights(relief *r, const duet_heights *h, duet_error *err)
     return true;
 }
 
+// Pieces along each side of a triangle of a mesh, so that what stands before one end of it may
+// hide it, and what stands behind the other be hidden.
+static uint32_t pieces_along(const relief *r, const duet_mesh *m, uint32_t triangle)
+{
+    const extent *shown = &r->view->shown;
+    double square = 0.0, longest = 0.0, most = fmax(1.0, MOST_CELLS / sqrt(m->n_triangles));
+    for (int k = 0; k < 3; ++k)
+        square += (shown->upper[k] - shown->lower[k]) * (shown->upper[k] - shown->lower[k]);
+    for (uint32_t e = 0; e < 3; ++e) {
+        double a[3], b[3];
+        mesh_place(m, triangle, e, a);
+        mesh_place(m, triangle, (e + 1) % 3, b);
+        longest = fmax(longest, hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]));
+    }
+    return (uint32_t)fmin(most, fmax(1.0, ceil(PIECES * longest / sqrt(square))));
+}
+
+// A place of a triangle that is i and j of n pieces from its first corner.
+static void place_in(double at[3][3], uint32_t n, uint32_t i, uint32_t j, double out[3])
+{
+    for (int k = 0; k < 3; ++k)
+        out[k] = at[0][k] + (at[1][k] - at[0][k]) * i / n + (at[2][k] - at[0][k]) * j / n;
+}
+
+static void add_piece(relief *r, double at[3][3], uint32_t n, uint32_t i, uint32_t j, bool is_outer)
+{
+    double corner[3][3], farthest = INFINITY;
+    place_in(at, n, i + 1, j, corner[0]);
+    place_in(at, n, is_outer ? i + 1 : i, j + 1, corner[1]);
+    place_in(at, n, i, is_outer ? j + 1 : j, corner[2]);
+    for (int k = 0; k < 3; ++k)
+        farthest = fmin(farthest, nearness_of(r, corner[k]));
+    add_triangle(r, corner[0], corner[1], corner[2], farthest);
+}
+
+static void add_pieces(relief *r, const duet_mesh *m, uint32_t triangle)
+{
+    uint32_t n = pieces_along(r, m, triangle);
+    double at[3][3];
+    for (uint32_t k = 0; k < 3; ++k)
+        mesh_place(m, triangle, k, at[k]);
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t j = 0; i + j < n; ++j) {
+            add_piece(r, at, n, i, j, false);
+            if (i + j + 1 < n)
+                add_piece(r, at, n, i, j, true);
+        }
+}
+
 static bool take_mesh(relief *r, const duet_mesh *m, duet_error *err)
 {
-    if (!reserve(r, m->n_triangles, err))
-        return false;
+    size_t pieces = 0;
     for (uint32_t i = 0; i < m->n_triangles; ++i) {
-        double at[3][3], farthest = INFINITY;
-        for (uint32_t k = 0; k < 3; ++k) {
-            mesh_place(m, i, k, at[k]);
-            farthest = fmin(farthest, nearness_of(r, at[k]));
-        }
-        add_triangle(r, at[0], at[1], at[2], farthest);
+        size_t n = pieces_along(r, m, i);
+        pieces += n * n;
     }
+    if (!reserve(r, pieces, err))
+        return false;
+    for (uint32_t i = 0; i < m->n_triangles; ++i)
+        add_pieces(r, m, i);
     return true;
 }
 

@@ -256,14 +256,15 @@ TEST(hills_hide_what_is_behind_them_alone)
         text_free(all[i]);
 }
 
-// An upright plate of two triangles that looks to the eye or away from it, and a small ball.
+// An upright plate of two triangles that looks to the eye or away from it, and a ball that is
+// smaller than the pieces in which the plate is drawn.
 static text draw_at_plate(bool to_eye, double x)
 {
     static const char scene[] =
         "local body = { half_extents = { 0, 0, 0 }, radius = 0.5, mass = 0 }\n"
         "body.centre = { 7, -7, 1 } add(body)\n"
         "body.centre = { -7, 7, 1 } add(body)\n"
-        "body.radius = 0.1 body.centre = { %g, %g, 1 } add(body)\n"
+        "body.radius = 0.02 body.centre = { %g, %g, 1 } add(body)\n"
         "return { dims = 3, wants = { 'contact' }, mesh = {\n"
         "  vertices = { -5, -5, 0, 5, 5, 0, 5, 5, 8, -5, -5, 8 },\n"
         "  triangles = { %s } } }\n";
@@ -277,9 +278,9 @@ static text draw_at_plate(bool to_eye, double x)
 
 TEST(a_mesh_hides_what_is_behind_its_outside_alone)
 {
-    text behind = draw_at_plate(true, -1), further = draw_at_plate(true, -1.5);
-    text ahead = draw_at_plate(true, 1), from_within = draw_at_plate(false, -1);
-    text from_within_further = draw_at_plate(false, -1.5);
+    text behind = draw_at_plate(true, -1.25), further = draw_at_plate(true, -1.6);
+    text ahead = draw_at_plate(true, 1), from_within = draw_at_plate(false, -1.25);
+    text from_within_further = draw_at_plate(false, -1.6);
     assert_true(are_same(&behind, &further));
     assert_false(are_same(&behind, &ahead));
     assert_false(are_same(&behind, &from_within));
