@@ -505,6 +505,10 @@ api.names = {
     "A ground { nx, ny, spacing, origin, values } beside the boxes, or none; a motion brings its own. Queries find it as one more box, " ..
     "with the number of boxes plus 6 as its id.",
     fails = true, c = "duet_tree_set_heights" },
+  { "duet.Tree:set_mesh", { "mesh?: table" }, "duet.Tree",
+    "A ground of triangles, { file, scale } or { vertices, triangles }, with origin, instead of heights, or none. Only the triangles " ..
+    "are part of it, from both sides.",
+    fails = true, c = "duet_tree_set_mesh" },
   { "duet.Tree:set_filters", { "filters: duet.Filters|string|integer[]|integer[][]" }, "duet.Tree",
     "The boxes' filters until they are set again; a motion's bodies bring theirs. Queries whose def has a filter { group, mask } " ..
     "find the boxes that it can touch.",

@@ -18,8 +18,9 @@ motion_box *motion_check_box(lua_State *L, int index); // one that is open
 extern const member motion_def_members[];
 void motion_push_effects(lua_State *L, uint32_t effects); // a list of their names
 
-// Reads a ground from the table on top of the stack and pushes it, as a userdata; raises an error
-// for what is none.
+// Read a ground from the table on top of the stack and push it, as a userdata; raise an error for
+// what is none.
 const duet_heights *motion_push_heights(lua_State *L);
+const duet_mesh *motion_push_mesh(lua_State *L);
 
 #endif

@@ -100,12 +100,9 @@ static int free_mesh(lua_State *L)
     return 0;
 }
 
-// mesh = { file = "drum.stl" }: kept likewise.
-static void read_mesh(lua_State *L, const member *m, void *at)
+const duet_mesh *motion_push_mesh(lua_State *L)
 {
     duet_error why = {0};
-    if (!lua_istable(L, -1))
-        member_refuse(L, m, "a table of file and scale, or vertices and triangles");
     duet_mesh *mesh = lua_newuserdatauv(L, sizeof *mesh, 0);
     *mesh = (duet_mesh){0};
     lua_createtable(L, 0, 1);
@@ -116,7 +113,15 @@ static void read_mesh(lua_State *L, const member *m, void *at)
     if (!mesh_read(L, mesh, NULL, &why))
         luaL_error(L, "field 'mesh': %s", why.text);
     lua_pop(L, 1);
-    *(const duet_mesh **)at = mesh;
+    return mesh;
+}
+
+// mesh = { file = "drum.stl" }: kept likewise.
+static void read_mesh(lua_State *L, const member *m, void *at)
+{
+    if (!lua_istable(L, -1))
+        member_refuse(L, m, "a table of file and scale, or vertices and triangles");
+    *(const duet_mesh **)at = motion_push_mesh(L);
     lua_setfield(L, LUA_REGISTRYINDEX, "duet mesh");
 }
 

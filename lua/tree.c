@@ -87,15 +87,34 @@ static int tree_set_motion(lua_State *L)
     return 1;
 }
 
+// The table behind a tree, which becomes the only other argument; nil: there is none.
+static bool check_ground(lua_State *L)
+{
+    lua_settop(L, 2);
+    if (!lua_isnil(L, 2))
+        luaL_checktype(L, 2, LUA_TTABLE);
+    return !lua_isnil(L, 2);
+}
+
 // tree:set_heights { nx = 65, ... } -> tree; without a table there is no ground
 static int tree_set_heights(lua_State *L)
 {
     duet_error err = {0};
     duet_tree *tree = tree_check(L, 1);
-    lua_settop(L, 2);
-    if (!lua_isnil(L, 2))
-        luaL_checktype(L, 2, LUA_TTABLE);
-    if (!duet_tree_set_heights(tree, lua_isnil(L, 2) ? NULL : motion_push_heights(L), &err))
+    const duet_heights *heights = check_ground(L) ? motion_push_heights(L) : NULL;
+    if (!duet_tree_set_heights(tree, heights, &err))
+        return class_push_failure(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
+// tree:set_mesh { file = "drum.stl" } -> tree; likewise
+static int tree_set_mesh(lua_State *L)
+{
+    duet_error err = {0};
+    duet_tree *tree = tree_check(L, 1);
+    const duet_mesh *mesh = check_ground(L) ? motion_push_mesh(L) : NULL;
+    if (!duet_tree_set_mesh(tree, mesh, &err))
         return class_push_failure(L, &err);
     lua_settop(L, 1);
     return 1;
@@ -132,10 +151,13 @@ static void destroy(void *tree)
     duet_tree_destroy(tree);
 }
 
-static const luaL_Reg methods[] = {
-    {"set_objects", tree_set_objects}, {"set_motion", tree_set_motion},
-    {"set_heights", tree_set_heights}, {"set_filters", tree_set_filters},
-    {"set_share", tree_set_share},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"set_objects", tree_set_objects},
+                                   {"set_motion", tree_set_motion},
+                                   {"set_heights", tree_set_heights},
+                                   {"set_mesh", tree_set_mesh},
+                                   {"set_filters", tree_set_filters},
+                                   {"set_share", tree_set_share},
+                                   {NULL, NULL}};
 static const lua_class tree_class = {
     .name = "duet.tree", .methods = methods, .destroy = destroy, .noun = "tree"};
 

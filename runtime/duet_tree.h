@@ -59,6 +59,10 @@ DUET_API bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_er
 // origin cells.
 DUET_API bool duet_tree_set_heights(duet_tree *tree, const duet_heights *heights, duet_error *err);
 
+// Sets a ground of triangles likewise, instead of one of heights. Its triangles alone are part of
+// it, met from both sides: what lies behind them is not.
+DUET_API bool duet_tree_set_mesh(duet_tree *tree, const duet_mesh *mesh, duet_error *err);
+
 // Two can touch if each one's group has a bit of the other's mask, as in a duet_body.
 typedef struct duet_filter {
     uint32_t group;

@@ -78,7 +78,7 @@ static bool find_part(const snapshot *s, const body_states *c, extent *part, due
         if (k < 2)
             upper[k] = fmax(upper[k], d->upper[k]);
     }
-    relief_widen(d->heights, part);
+    relief_widen(d, part);
     return true;
 }
 
@@ -259,7 +259,7 @@ static void draw_blocks(const snapshot *s, relief *hills, canvas *c, block *bloc
     if (v->dims == 3)
         qsort(blocks, n, sizeof *blocks, from_far_to_near);
     for (uint32_t i = 0; i < n; ++i) {
-        relief_draw(hills, c, relief_nearness(v, &blocks[i].corners));
+        relief_draw(hills, c, relief_nearness(hills, &blocks[i].corners));
         if (is_near_picture(v, &blocks[i]))
             view_box(v, c, &blocks[i].corners, &(box_ink){.fill = blocks[i].fill});
     }
@@ -320,7 +320,7 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
     draw_floor(&v, c, s->def);
     relief hills;
     bool ok =
-        relief_begin(&hills, s->def->heights, &v, err) &&
+        relief_begin(&hills, s->def, &v, err) &&
         (blocks || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path));
     if (ok)
         draw_blocks(s, &hills, c, blocks, bodies);

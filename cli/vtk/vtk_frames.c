@@ -43,15 +43,15 @@ static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, 
 // Once: no ground moves.
 static bool add_ground(const vtk_frames *f, double time, duet_error *err)
 {
-    return f->bodies.n > 0 || vtk_ground_write(f->bodies.folder,
-                                               duet_motion_get_def(f->motion)->heights, time, err);
+    return f->bodies.n > 0 ||
+           vtk_ground_write(f->bodies.folder, duet_motion_get_def(f->motion), time, err);
 }
 
 bool vtk_frames_add(vtk_frames *f, double time, duet_error *err)
 {
     body_states bodies;
-    bool ok = body_states_read(&bodies, f->motion, err) && add_ground(f, time, err) && add_bodies(f, &bodies, time, err) &&
-              add_contacts(f, &bodies, time, err);
+    bool ok = body_states_read(&bodies, f->motion, err) && add_ground(f, time, err) &&
+              add_bodies(f, &bodies, time, err) && add_contacts(f, &bodies, time, err);
     body_states_free(&bodies);
     return ok;
 }

@@ -3,10 +3,11 @@
 
 #include "base/text.h"
 #include "cli/vtk/vtk_file.h"
+#include "runtime/narrowphase/mesh.h"
 
 #include <inttypes.h>
 
-static void write_points(FILE *to, const void *of)
+static void write_places(FILE *to, const void *of)
 {
     const duet_heights *h = of;
     for (uint32_t j = 0; j < h->ny; ++j)
@@ -20,7 +21,7 @@ static void write_points(FILE *to, const void *of)
 
 // c a d b ...: the triangles c a d and a b d of a cell follow each other
 // (kernels/dynamics/ground.clh).
-static void write_connectivity(FILE *to, const void *of)
+static void write_strips(FILE *to, const void *of)
 {
     const duet_heights *h = of;
     for (uint32_t j = 0; j + 1 < h->ny; ++j)
@@ -30,21 +31,20 @@ static void write_connectivity(FILE *to, const void *of)
         }
 }
 
-static void write_offsets(FILE *to, const void *of)
+static void write_strip_ends(FILE *to, const void *of)
 {
     const duet_heights *h = of;
     for (uint32_t j = 1; j < h->ny; ++j)
         vtk_write_int64(to, 2 * (int64_t)j * h->nx);
 }
 
-static bool write_file(const char *path, const duet_heights *h, double time, duet_error *err)
+static bool write_heights(const char *path, const duet_heights *h, double time, duet_error *err)
 {
     const uint64_t points = (uint64_t)h->nx * h->ny, strips = h->ny - 1;
     const vtk_array arrays[] = {
-        {"Points", "points", VTK_FLOAT64, 3, NULL, points, NULL, 0, write_points},
-        {"Strips", "connectivity", VTK_INT64, 1, NULL, 2 * strips * h->nx, NULL, 0,
-         write_connectivity},
-        {"Strips", "offsets", VTK_INT64, 1, NULL, strips, NULL, 0, write_offsets},
+        {"Points", "points", VTK_FLOAT64, 3, NULL, points, NULL, 0, write_places},
+        {"Strips", "connectivity", VTK_INT64, 1, NULL, 2 * strips * h->nx, NULL, 0, write_strips},
+        {"Strips", "offsets", VTK_INT64, 1, NULL, strips, NULL, 0, write_strip_ends},
     };
     char counts[96];
     snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu64 "\" NumberOfStrips=\"%" PRIu64 "\"",
@@ -53,13 +53,59 @@ static bool write_file(const char *path, const duet_heights *h, double time, due
     return vtk_file_write(path, &piece, err);
 }
 
-bool vtk_ground_write(const char *folder, const duet_heights *h, double time, duet_error *err)
+// ---------------------------------------------------------------- a mesh
+
+static void write_vertices(FILE *to, const void *of)
+{
+    const duet_mesh *m = of;
+    for (uint32_t i = 0; i < m->n_vertices; ++i) {
+        const float *v = mesh_vertex(m, i);
+        const double at[3] = {m->origin[0] + (double)v[0], m->origin[1] + (double)v[1],
+                              m->origin[2] + (double)v[2]};
+        fwrite(at, sizeof at, 1, to);
+    }
+}
+
+static void write_corners(FILE *to, const void *of)
+{
+    const duet_mesh *m = of;
+    for (uint64_t i = 0; i < 3 * (uint64_t)m->n_triangles; ++i)
+        vtk_write_int64(to, m->triangles[i]);
+}
+
+static void write_ends(FILE *to, const void *of)
+{
+    const duet_mesh *m = of;
+    for (int64_t i = 1; i <= m->n_triangles; ++i)
+        vtk_write_int64(to, 3 * i);
+}
+
+static bool write_mesh(const char *path, const duet_mesh *m, double time, duet_error *err)
+{
+    const vtk_array arrays[] = {
+        {"Points", "points", VTK_FLOAT64, 3, NULL, m->n_vertices, NULL, 0, write_vertices},
+        {"Polys", "connectivity", VTK_INT64, 1, NULL, 3 * (uint64_t)m->n_triangles, NULL, 0,
+         write_corners},
+        {"Polys", "offsets", VTK_INT64, 1, NULL, m->n_triangles, NULL, 0, write_ends},
+    };
+    char counts[96];
+    snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu32 "\" NumberOfPolys=\"%" PRIu32 "\"",
+             m->n_vertices, m->n_triangles);
+    const vtk_piece piece = {"PolyData", counts, time, arrays, sizeof arrays / sizeof *arrays, m};
+    return vtk_file_write(path, &piece, err);
+}
+
+// ---------------------------------------------------------------- both
+
+bool vtk_ground_write(const char *folder, const duet_motion_def *def, double time, duet_error *err)
 {
     text path = {0};
-    if (!h)
+    if (!def->heights && !def->mesh)
         return true;
     text_add(&path, "%s/ground.vtp", folder);
-    bool ok = text_ok(&path, err) && write_file(text_chars(&path), h, time, err);
+    bool ok = text_ok(&path, err) &&
+              (def->mesh ? write_mesh(text_chars(&path), def->mesh, time, err)
+                         : write_heights(text_chars(&path), def->heights, time, err));
     text_free(&path);
     return ok;
 }

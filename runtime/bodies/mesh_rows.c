@@ -5,9 +5,14 @@
 #include "kernels/dynamics/mesh_rows.h"
 #include "runtime/narrowphase/mesh.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+_Static_assert(sizeof(mesh_node) == MESH_NODE * sizeof(uint32_t) &&
+                   offsetof(mesh_node, skip) == MESH_SKIP * sizeof(uint32_t) &&
+                   offsetof(mesh_node, triangle) == MESH_LEAF * sizeof(uint32_t) &&
+                   MESH_NO_TRIANGLE == MESH_NONE,
+               "a node is a row");
 
 // ---------------------------------------------------------------- vertices at one place
 
@@ -96,120 +101,13 @@ static bool make_triangles(mesh_rows *rows, const duet_mesh *mesh)
     return ok;
 }
 
-// ---------------------------------------------------------------- tree
-
-// Triangles in the order of their middles along a curve that fills space.
-typedef struct leaf {
-    uint64_t key;
-    uint32_t triangle;
-} leaf;
-
-static int compare_leaves(const void *left, const void *right)
-{
-    const leaf *p = left, *q = right;
-    if (p->key != q->key)
-        return p->key < q->key ? -1 : 1;
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
-
-static float corner_of(const duet_mesh *mesh, uint32_t triangle, int corner, int axis)
-{
-    return mesh_vertex(mesh, mesh->triangles[3 * (size_t)triangle + corner])[axis];
-}
-
-static void set_bounds(const duet_mesh *mesh, uint32_t triangle, float bounds[6])
-{
-    for (int k = 0; k < 3; ++k) {
-        float a = corner_of(mesh, triangle, 0, k), b = corner_of(mesh, triangle, 1, k);
-        float c = corner_of(mesh, triangle, 2, k);
-        bounds[k] = fminf(a, fminf(b, c));
-        bounds[3 + k] = fmaxf(a, fmaxf(b, c));
-    }
-}
-
-static void widen(float bounds[6], const float more[6])
-{
-    for (int k = 0; k < 3; ++k) {
-        bounds[k] = fminf(bounds[k], more[k]);
-        bounds[3 + k] = fmaxf(bounds[3 + k], more[3 + k]);
-    }
-}
-
-// Spreads the low 21 bits to every third bit.
-static uint64_t spread(uint64_t x)
-{
-    x = (x | x << 32) & 0x1F00000000FFFF;
-    x = (x | x << 16) & 0x1F0000FF0000FF;
-    x = (x | x << 8) & 0x100F00F00F00F00F;
-    x = (x | x << 4) & 0x10C30C30C30C30C3;
-    return (x | x << 2) & 0x1249249249249249;
-}
-
-static uint64_t key_of(const float bounds[6], const float all[6])
-{
-    uint64_t key = 0;
-    for (int k = 0; k < 3; ++k) {
-        double middle = 0.5 * ((double)bounds[k] + (double)bounds[3 + k]) - (double)all[k];
-        double size = (double)all[3 + k] - (double)all[k];
-        key |= spread(size > 0.0 ? (uint64_t)(middle / size * 0x1FFFFF) : 0) << k;
-    }
-    return key;
-}
-
-static void sort_leaves(const duet_mesh *mesh, leaf *leaves)
-{
-    float all[6], bounds[6];
-    set_bounds(mesh, 0, all);
-    for (uint32_t i = 1; i < mesh->n_triangles; ++i) {
-        set_bounds(mesh, i, bounds);
-        widen(all, bounds);
-    }
-    for (uint32_t i = 0; i < mesh->n_triangles; ++i) {
-        set_bounds(mesh, i, bounds);
-        leaves[i] = (leaf){.key = key_of(bounds, all), .triangle = i};
-    }
-    qsort(leaves, mesh->n_triangles, sizeof *leaves, compare_leaves);
-}
-
-// Puts a node of n leaves, then those under it; sets its bounds.
-static void put_node(mesh_rows *rows, const duet_mesh *mesh, const leaf *leaves, uint32_t n,
-                     float bounds[6])
-{
-    uint32_t *node = rows->nodes + (size_t)MESH_NODE * rows->n_nodes++;
-    float more[6];
-    if (n == 1) {
-        set_bounds(mesh, leaves->triangle, bounds);
-    } else {
-        put_node(rows, mesh, leaves, n / 2, bounds);
-        put_node(rows, mesh, leaves + n / 2, n - n / 2, more);
-        widen(bounds, more);
-    }
-    memcpy(node, bounds, 6 * sizeof *bounds);
-    node[MESH_SKIP] = rows->n_nodes;
-    node[MESH_LEAF] = n == 1 ? leaves->triangle : MESH_NONE;
-}
-
-static bool make_tree(mesh_rows *rows, const duet_mesh *mesh)
-{
-    float bounds[6];
-    size_t most = 2 * (size_t)mesh->n_triangles - 1;
-    leaf *leaves = malloc(mesh->n_triangles * sizeof *leaves);
-    rows->nodes = malloc(most * MESH_NODE * sizeof *rows->nodes);
-    bool ok = leaves && rows->nodes;
-    if (ok) {
-        sort_leaves(mesh, leaves);
-        put_node(rows, mesh, leaves, mesh->n_triangles, bounds);
-    }
-    free(leaves);
-    return ok;
-}
-
 // ---------------------------------------------------------------- both
 
 bool mesh_rows_make(mesh_rows *rows, const duet_mesh *mesh, duet_error *err)
 {
     *rows = (mesh_rows){.n_triangles = mesh->n_triangles};
-    return (make_triangles(rows, mesh) && make_tree(rows, mesh)) ||
+    rows->nodes = mesh_tree_make(mesh);
+    return (rows->nodes && make_triangles(rows, mesh)) ||
            error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a mesh of %u triangles",
                      mesh->n_triangles);
 }

@@ -3,12 +3,12 @@
 #ifndef RUNTIME_MESH_ROWS_H
 #define RUNTIME_MESH_ROWS_H
 
-#include "runtime/duet.h"
+#include "runtime/narrowphase/mesh_tree.h"
 
 typedef struct mesh_rows {
     uint32_t *triangles; // [n_triangles][MESH_TRIANGLE]
-    uint32_t *nodes;     // [n_nodes][MESH_NODE]
-    uint32_t n_triangles, n_nodes;
+    mesh_node *nodes;    // [mesh_tree_size]
+    uint32_t n_triangles;
 } mesh_rows;
 
 // Makes the rows of a mesh that was checked. NO_MEMORY leaves none; free them whatever this

@@ -74,7 +74,7 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
     bool radii = tree->def.shape == DUET_SHAPE_ROUNDED_BOXES;
     bool on_b =
         motion->n > 0 && motion_has_poses(motion, radii) && motion->def.pair == tree->def.pair;
-    if (!tree_take_ground(tree, motion->def.heights, err) ||
+    if (!tree_take_ground(tree, motion->def.heights, motion->def.mesh, err) ||
         !tree_reserve_objects(tree, motion->n, err))
         return false;
     if (!take_filters(tree, motion, err) ||

@@ -106,7 +106,7 @@ static bool send_mesh(motion_ground *g, const device *d, duet_error *err)
         send(&g->buffers[GROUND_VALUES], d, g->mesh.vertices, mesh_vertex_bytes(&g->mesh), err) &&
         send(&g->buffers[GROUND_TRIANGLES], d, r.triangles,
              (size_t)r.n_triangles * MESH_TRIANGLE * sizeof *r.triangles, err) &&
-        send(&g->buffers[GROUND_NODES], d, r.nodes, (size_t)r.n_nodes * MESH_NODE * sizeof *r.nodes,
+        send(&g->buffers[GROUND_NODES], d, r.nodes, mesh_tree_size(&g->mesh) * sizeof *r.nodes,
              err);
     mesh_rows_free(&r);
     return ok;

@@ -69,11 +69,16 @@ void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3])
     at[2] = h->origin[2] + (double)h->heights[(size_t)j * h->nx + i];
 }
 
-// No number is -0.
-void heights_set_normal(const heights_entry *entry, float normal[3])
+//   c --- d     a b d is the lower triangle of a cell, a d c the upper one
+//   |   / |
+//   | /   |
+//   a --- b
+ground_piece heights_piece(const duet_heights *h, uint32_t i, uint32_t j, bool upper)
 {
-    const double *n = entry->normal;
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; ++k)
-        normal[k] = (float)(n[k] / length) + 0.0f;
+    ground_piece p = {.is_rim = {!upper && j == 0, upper ? j + 2 == h->ny : i + 2 == h->nx,
+                                 upper && i == 0, false}};
+    heights_place(h, i, j, p.corner[0]);
+    heights_place(h, i + 1, upper ? j + 1 : j, p.corner[1]);
+    heights_place(h, upper ? i : i + 1, j + 1, p.corner[2]);
+    return p;
 }

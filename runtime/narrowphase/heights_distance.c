@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How far a point is from a ground: from a triangle, or level from a wall of the rim. Cells that
 // are further away than what was found are left out.
-#include "runtime/narrowphase/heights_prism.h"
-
-#include "runtime/narrowphase/vector.h"
+#include "runtime/narrowphase/heights.h"
 
 #include <math.h>
 
@@ -12,45 +10,6 @@ typedef struct search {
     double at[3];
     double square; // of the least distance so far
 } search;
-
-static void less(double out[3], const double a[3], const double b[3])
-{
-    for (int k = 0; k < 3; ++k)
-        out[k] = a[k] - b[k];
-}
-
-// ---------------------------------------------------------------- a triangle
-
-static double square_to_edge(const double a[3], const double b[3], const double at[3])
-{
-    double along[3], way[3];
-    less(along, b, a);
-    less(way, at, a);
-    double t = fmin(fmax(dot(way, along) / dot(along, along), 0.0), 1.0);
-    for (int k = 0; k < 3; ++k)
-        way[k] -= t * along[k];
-    return dot(way, way);
-}
-
-// Over the inside of a triangle the plane is nearest, else an edge.
-static double square_to_triangle(const heights_prism *p, const double at[3])
-{
-    double e[2][3], normal[3], way[3], square = INFINITY;
-    bool inside = true;
-    less(e[0], p->corner[1], p->corner[0]);
-    less(e[1], p->corner[2], p->corner[0]);
-    cross(normal, e[0], e[1]);
-    for (int k = 0; k < 3; ++k) {
-        double along[3], out[3];
-        less(along, p->corner[(k + 1) % 3], p->corner[k]);
-        less(way, at, p->corner[k]);
-        cross(out, normal, along);
-        inside = inside && dot(out, way) >= 0.0;
-        square = fmin(square, square_to_edge(p->corner[k], p->corner[(k + 1) % 3], at));
-    }
-    double high = dot(normal, way);
-    return inside ? high * high / dot(normal, normal) : square;
-}
 
 // ---------------------------------------------------------------- walls
 
@@ -91,8 +50,8 @@ static double beyond(const search *s, int axis, uint32_t first, uint32_t last)
 static void search_cell(search *s, uint32_t i, uint32_t j)
 {
     for (int upper = 0; upper < 2; ++upper) {
-        const heights_prism p = heights_prism_of(s->heights, i, j, upper);
-        s->square = fmin(s->square, square_to_triangle(&p, s->at));
+        const ground_piece p = heights_piece(s->heights, i, j, upper);
+        s->square = fmin(s->square, ground_piece_square(&p, s->at));
     }
 }
 
@@ -137,8 +96,11 @@ static void search_cells(search *s)
 
 double heights_distance(const duet_heights *h, const float at[3])
 {
+    const duet_ray still = {.origin = {at[0], at[1], at[2]}};
+    const ground_probe probe = ground_probe_of_ray(&still);
+    ground_entry entry;
     search s = {.heights = h, .at = {at[0], at[1], at[2]}, .square = INFINITY};
-    if (heights_contain(h, at))
+    if (heights_meet(h, &probe, &entry))
         return 0.0;
     for (int k = 0; k < 2; ++k) {
         uint32_t last = (k == 0 ? h->nx : h->ny) - 1;

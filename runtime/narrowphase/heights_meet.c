@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The cells that a moving box passes over, a column of them after the other, and near their tops
 // both prisms of each.
-#include "runtime/narrowphase/heights_prism.h"
+#include "runtime/narrowphase/heights.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -10,7 +10,7 @@
 // sides of its centre, or a little less.
 typedef struct track {
     const duet_heights *heights;
-    const heights_probe *probe;
+    const ground_probe *probe;
     double at[2], go[2], wide[2];
     uint32_t cells[2];
     int major; // axis along which it passes more cells
@@ -34,7 +34,7 @@ static bool cut_to_grid(track *t, int k)
 }
 
 // A quotient is right within 2^-50 of itself.
-static bool begin_track(track *t, const duet_heights *h, const heights_probe *probe)
+static bool begin_track(track *t, const duet_heights *h, const ground_probe *probe)
 {
     *t = (track){.heights = h, .probe = probe, .cells = {h->nx - 1, h->ny - 1}};
     for (int k = 0; k < 2; ++k) {
@@ -76,18 +76,12 @@ static double least_z(const track *t, double from, double to)
            0x1p-40 * (fabs(begin) + fabs(way) + fabs(t->heights->origin[2]));
 }
 
-static bool meet_cell(const track *t, uint32_t i, uint32_t j, heights_entry *best)
+static bool meet_cell(const track *t, uint32_t i, uint32_t j, ground_entry *best)
 {
     bool met = false;
     for (int upper = 0; upper < 2; ++upper) {
-        heights_entry entry = *best;
-        const heights_prism p = heights_prism_of(t->heights, i, j, upper);
-        bool meets = t->probe->radius > 0.0 ? heights_prism_meet_round(&p, t->probe, &entry)
-                                            : heights_prism_meet(&p, t->probe, &entry);
-        if (!meets || entry.t >= best->t)
-            continue;
-        *best = entry;
-        met = true;
+        const ground_piece p = heights_piece(t->heights, i, j, upper);
+        met |= ground_piece_improve(&p, t->probe, best);
     }
     return met;
 }
@@ -106,7 +100,7 @@ static void time_column(const track *t, uint32_t c, double *from, double *to)
     *to = fmin(*to, fmax(in, out));
 }
 
-static bool meet_column(const track *t, uint32_t c, double from, double to, heights_entry *best)
+static bool meet_column(const track *t, uint32_t c, double from, double to, ground_entry *best)
 {
     cell_span along = cells_between(t, !t->major, from, to);
     double lowest = least_z(t, from, to);
@@ -121,7 +115,7 @@ static bool meet_column(const track *t, uint32_t c, double from, double to, heig
 }
 
 // Columns later on the way are met no sooner.
-bool heights_meet(const duet_heights *h, const heights_probe *probe, heights_entry *entry)
+bool heights_meet(const duet_heights *h, const ground_probe *probe, ground_entry *entry)
 {
     track t;
     if (!begin_track(&t, h, probe))
@@ -140,12 +134,4 @@ bool heights_meet(const duet_heights *h, const heights_probe *probe, heights_ent
             met |= meet_column(&t, c, from, to, entry);
     }
     return met;
-}
-
-bool heights_contain(const duet_heights *h, const float at[3])
-{
-    const duet_ray ray = {.origin = {at[0], at[1], at[2]}};
-    const heights_probe probe = heights_probe_of_ray(&ray);
-    heights_entry entry;
-    return heights_meet(h, &probe, &entry);
 }

@@ -109,6 +109,38 @@ bool mesh_check(const duet_mesh *m, duet_error *err)
     return true;
 }
 
+// The least height of a triangle, over its longest edge.
+static double height_of(const duet_mesh *m, uint32_t triangle)
+{
+    const uint32_t *t = m->triangles + 3 * (size_t)triangle;
+    const float *a = mesh_vertex(m, t[0]), *b = mesh_vertex(m, t[1]), *c = mesh_vertex(m, t[2]);
+    double product[3];
+    set_product(a, b, c, product);
+    return sqrt(dot(product, product) /
+                fmax(square_between(a, b), fmax(square_between(b, c), square_between(c, a))));
+}
+
+bool mesh_check_places(const duet_mesh *m, duet_error *err)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < m->n_triangles; ++i)
+        least = fmin(least, height_of(m, i));
+    for (int k = 0; k < 3; ++k)
+        if (fabs(m->origin[k]) > 0x1p40 * least)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "the mesh's origin is %g along %c; expected at most 2^40 times the "
+                             "least height of its triangles, %g, for queries",
+                             m->origin[k], "xyz"[k], least);
+    return true;
+}
+
+void mesh_place(const duet_mesh *m, uint32_t triangle, uint32_t corner, double at[3])
+{
+    const float *v = mesh_vertex(m, m->triangles[3 * (size_t)triangle + corner]);
+    for (int k = 0; k < 3; ++k)
+        at[k] = m->origin[k] + (double)v[k];
+}
+
 size_t mesh_vertex_bytes(const duet_mesh *mesh)
 {
     return (size_t)mesh->n_vertices * 3 * sizeof *mesh->vertices;

@@ -17,8 +17,13 @@ const char *mesh_triangle_fault(const float a[3], const float b[3], const float 
 // BAD_ARGUMENT for a mesh that nothing can have.
 bool mesh_check(const duet_mesh *mesh, duet_error *err);
 
+// Also for one whose places, origin + vertex in double, do not tell its triangles apart well.
+bool mesh_check_places(const duet_mesh *mesh, duet_error *err);
+
 // Sets the outward normal of a triangle, of length 1.
 void mesh_set_normal(const float a[3], const float b[3], const float c[3], double normal[3]);
+
+void mesh_place(const duet_mesh *mesh, uint32_t triangle, uint32_t corner, double at[3]);
 
 // Bytes of the vertices and of the triangles.
 size_t mesh_vertex_bytes(const duet_mesh *mesh);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
-#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/far_rows.h"
@@ -37,13 +36,13 @@ static bool meets_rounded(const duet_tree *tree, const void *item, uint32_t *hit
 
 static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
-    heights_entry entry;
+    ground_entry entry;
     const duet_shape shape = q->tree->def.shape;
-    const heights_probe probe = shape == DUET_SHAPE_BOUNDS  ? heights_probe_of_still_bounds(item)
-                                : shape == DUET_SHAPE_POSES ? heights_probe_of_box(item)
-                                                            : heights_probe_of_rounded_box(item);
+    const ground_probe probe = shape == DUET_SHAPE_BOUNDS  ? ground_probe_of_still_bounds(item)
+                               : shape == DUET_SHAPE_POSES ? ground_probe_of_box(item)
+                                                           : ground_probe_of_rounded_box(item);
     (void)hit;
-    return heights_meet(&q->tree->ground, &probe, &entry);
+    return ground_shape_meet(&q->tree->ground, &probe, &entry);
 }
 
 #define BOXES(type_, wrong_, meets_)                                              \

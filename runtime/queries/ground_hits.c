@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "runtime/narrowphase/heights.h"
+#include "runtime/narrowphase/mesh.h"
 #include "runtime/queries/query_chunk.h"
 
 #include <stdlib.h>
@@ -10,31 +11,40 @@
 
 // ---------------------------------------------------------------- the tree's ground
 
-bool tree_take_ground(duet_tree *tree, const duet_heights *h, duet_error *err)
+bool tree_take_ground(duet_tree *tree, const duet_heights *heights, const duet_mesh *mesh,
+                      duet_error *err)
 {
-    float *values = NULL;
-    size_t n = h ? (size_t)h->nx * h->ny : 0;
-    if (h && !heights_check_places(h, err))
+    ground_shape ground;
+    if (!ground_shape_copy(&ground, heights, mesh, err))
         return false;
-    if (h && !(values = malloc(n * sizeof *values)))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu heights", n);
-    if (h)
-        memcpy(values, h->heights, n * sizeof *values);
-    free((float *)tree->ground.heights);
-    tree->ground = h ? *h : (duet_heights){0};
-    tree->ground.heights = values;
+    ground_shape_free(&tree->ground);
+    tree->ground = ground;
     return true;
+}
+
+// Whether a tree can have that ground; NULL: none, which any can.
+static bool takes_ground(const duet_tree *tree, const void *ground, const char *call,
+                         const char *name, duet_error *err)
+{
+    if (!error_given(tree, call, "tree", err))
+        return false;
+    return !ground || (tree->def.dims == 3 && tree->def.origin_edge == 0.0f) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: %s are for trees in 3D without origin cells", call, name);
 }
 
 bool duet_tree_set_heights(duet_tree *tree, const duet_heights *h, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!error_given(tree, __func__, "tree", err))
-        return false;
-    if (h && (tree->def.dims != 3 || tree->def.origin_edge > 0.0f))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: heights are for trees in 3D without origin cells", __func__);
-    return (!h || heights_check(h, err)) && tree_take_ground(tree, h, err);
+    return takes_ground(tree, h, __func__, "heights", err) && (!h || heights_check(h, err)) &&
+           tree_take_ground(tree, h, NULL, err);
+}
+
+bool duet_tree_set_mesh(duet_tree *tree, const duet_mesh *m, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    return takes_ground(tree, m, __func__, "meshes", err) && (!m || mesh_check(m, err)) &&
+           tree_take_ground(tree, NULL, m, err);
 }
 
 // ---------------------------------------------------------------- hits
@@ -119,7 +129,8 @@ static bool can_touch(const tree_query *q)
 
 bool ground_hits_add(tree_query *q, uint64_t n, query_result *found, duet_error *err)
 {
-    if (!q->tree->ground.heights || !q->kind->meets_ground || q->itself || !can_touch(q) || n == 0)
+    if (!ground_shape_is_there(&q->tree->ground) || !q->kind->meets_ground || q->itself ||
+        !can_touch(q) || n == 0)
         return true;
     if (!find(q, n, err))
         return false;

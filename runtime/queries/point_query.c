@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
-#include "runtime/narrowphase/heights.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/tree_query.h"
@@ -47,8 +46,8 @@ static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
     const duet_point *point = item;
     if (q->wants != QUERY_NEAREST)
-        return heights_contain(&q->tree->ground, point->at);
-    ((duet_point_hit *)hit)->distance = (float)heights_distance(&q->tree->ground, point->at);
+        return ground_shape_contain(&q->tree->ground, point->at);
+    ((duet_point_hit *)hit)->distance = (float)ground_shape_distance(&q->tree->ground, point->at);
     return true;
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
-#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/ray.h"
@@ -82,9 +81,9 @@ static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
     const duet_ray *ray = item;
     duet_ray_hit *h = (duet_ray_hit *)hit;
-    const heights_probe probe = heights_probe_of_ray(ray);
-    heights_entry entry;
-    if (!heights_meet(&q->tree->ground, &probe, &entry))
+    const ground_probe probe = ground_probe_of_ray(ray);
+    ground_entry entry;
+    if (!ground_shape_meet(&q->tree->ground, &probe, &entry))
         return false;
     h->t = fminf((float)entry.t, ray->t_max);
     return true;
@@ -94,11 +93,11 @@ static void ground_normal(const duet_tree *tree, const void *item, const uint32_
                           float out[3])
 {
     const duet_ray *ray = item;
-    const heights_probe probe = heights_probe_of_ray(ray);
-    heights_entry entry;
+    const ground_probe probe = ground_probe_of_ray(ray);
+    ground_entry entry;
     (void)hit;
-    if (heights_meet(&tree->ground, &probe, &entry) && entry.t > 0.0)
-        heights_set_normal(&entry, out);
+    if (ground_shape_meet(&tree->ground, &probe, &entry) && entry.t > 0.0)
+        ground_set_normal(&entry, out);
 }
 
 #define RAYS(type_, wrong_, meets_, normal_)                                                  \

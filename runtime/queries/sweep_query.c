@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
-#include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/far_rows.h"
 #include "runtime/queries/rounded_sweep.h"
@@ -96,16 +95,16 @@ static void enter_rounded(const duet_tree *tree, const void *item, uint32_t *hit
 static bool meets_ground(const tree_query *q, const void *item, uint32_t *hit)
 {
     const duet_shape shape = q->tree->def.shape;
-    const heights_probe probe = shape == DUET_SHAPE_BOUNDS  ? heights_probe_of_bounds(item)
-                                : shape == DUET_SHAPE_POSES ? heights_probe_of_sweep(item)
-                                                            : heights_probe_of_rounded_sweep(item);
+    const ground_probe probe = shape == DUET_SHAPE_BOUNDS  ? ground_probe_of_bounds(item)
+                               : shape == DUET_SHAPE_POSES ? ground_probe_of_sweep(item)
+                                                           : ground_probe_of_rounded_sweep(item);
     duet_sweep_hit *h = (duet_sweep_hit *)hit;
-    heights_entry entry;
-    if (!heights_meet(&q->tree->ground, &probe, &entry))
+    ground_entry entry;
+    if (!ground_shape_meet(&q->tree->ground, &probe, &entry))
         return false;
     h->t = fminf((float)entry.t, probe.t_max);
     if (entry.t > 0.0)
-        heights_set_normal(&entry, h->normal);
+        ground_set_normal(&entry, h->normal);
     return true;
 }
 

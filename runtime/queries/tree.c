@@ -213,7 +213,7 @@ void duet_tree_destroy(duet_tree *tree)
     duet_device_pair_destroy(tree->def.pair);
     free(tree->objects);
     free(tree->filters);
-    free((float *)tree->ground.heights);
+    ground_shape_free(&tree->ground);
     free(tree);
 }
 

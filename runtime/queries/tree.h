@@ -3,6 +3,7 @@
 #ifndef RUNTIME_TREE_H
 #define RUNTIME_TREE_H
 
+#include "runtime/narrowphase/ground_shape.h"
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/queries/box_tree.h"
 #include "runtime/queries/tree_share.h"
@@ -38,7 +39,7 @@ struct duet_tree {
     void *objects;        // [n] as box_tree_shape says; stale until they are fetched
     duet_filter *filters; // [n] of them; NULL: all ones
     uint64_t filters_set; // from 1, how often they changed
-    duet_heights ground;  // its heights are the tree's; NULL: there is no ground
+    ground_shape ground;
     uint32_t n, n_hidden;
     int32_t middle[3]; // the cell that its cells and its items' count from
     bool fetched;
@@ -54,8 +55,9 @@ static inline uint32_t tree_ground_id(const duet_tree *tree)
     return tree->n + 6;
 }
 
-// Copies a ground that was checked; NULL: there is none from now on.
-bool tree_take_ground(duet_tree *tree, const duet_heights *heights, duet_error *err);
+// Copies a ground that was checked, as ground_shape_copy; without one there is none from now on.
+bool tree_take_ground(duet_tree *tree, const duet_heights *heights, const duet_mesh *mesh,
+                      duet_error *err);
 
 const char *tree_shape_name(const duet_tree *tree); // "rounded boxes"
 

@@ -493,6 +493,9 @@ static void fill_tree(void)
     REFUSES(duet_tree_set_heights(NULL, NULL, e));
     REFUSES(duet_tree_set_heights(tree, &(duet_heights){.nx = 1}, e));
     TAKES(duet_tree_set_heights(tree, NULL, e));
+    REFUSES(duet_tree_set_mesh(NULL, NULL, e));
+    REFUSES(duet_tree_set_mesh(tree, &(duet_mesh){.n_vertices = 1}, e));
+    TAKES(duet_tree_set_mesh(tree, NULL, e));
     duet_tree_destroy(NULL);
 }
 
@@ -1049,7 +1052,7 @@ static const struct {
     {"duet_motion_map_states duet_motion_unmap_states duet_state_part_name", map_motion},
     {"duet_pair_query_create duet_pair_query_destroy duet_pair_query_run", query_pairs},
     {"duet_tree_create duet_tree_destroy duet_tree_set_objects duet_tree_set_motion "
-     "duet_tree_set_share duet_tree_set_heights duet_tree_load_profile "
+     "duet_tree_set_share duet_tree_set_heights duet_tree_set_mesh duet_tree_load_profile "
      "duet_default_tree_def duet_motion_tree_def duet_tree_set_filters "
      "duet_query_wants_name",
      fill_tree},

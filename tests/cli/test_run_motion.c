@@ -256,4 +256,38 @@ TEST(hills_hide_what_is_behind_them_alone)
         text_free(all[i]);
 }
 
+// An upright plate of two triangles that looks to the eye or away from it, and a ball that is
+// smaller than the pieces in which the plate is drawn.
+static text draw_at_plate(bool to_eye, double x)
+{
+    static const char scene[] =
+        "local body = { half_extents = { 0, 0, 0 }, radius = 0.5, mass = 0 }\n"
+        "body.centre = { 7, -7, 1 } add(body)\n"
+        "body.centre = { -7, 7, 1 } add(body)\n"
+        "body.radius = 0.02 body.centre = { %g, %g, 1 } add(body)\n"
+        "return { dims = 3, wants = { 'contact' }, mesh = {\n"
+        "  vertices = { -5, -5, 0, 5, 5, 0, 5, 5, 8, -5, -5, 8 },\n"
+        "  triangles = { %s } } }\n";
+    char given[sizeof scene + 64];
+    int n = snprintf(given, sizeof given, scene, x, -x,
+                     to_eye ? "0, 1, 2, 0, 2, 3" : "0, 2, 1, 0, 3, 2");
+    must(text_write_file(BALL, given, (size_t)n, ERR));
+    program_done(program_run("run --steps 1 --picture " PICTURE " " BALL));
+    return test_read_file(PICTURE);
+}
+
+TEST(a_mesh_hides_what_is_behind_its_outside_alone)
+{
+    text behind = draw_at_plate(true, -1.25), further = draw_at_plate(true, -1.6);
+    text ahead = draw_at_plate(true, 1), from_within = draw_at_plate(false, -1.25);
+    text from_within_further = draw_at_plate(false, -1.6);
+    assert_true(are_same(&behind, &further));
+    assert_false(are_same(&behind, &ahead));
+    assert_false(are_same(&behind, &from_within));
+    assert_false(are_same(&from_within, &from_within_further));
+    text *all[] = {&behind, &further, &ahead, &from_within, &from_within_further};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        text_free(all[i]);
+}
+
 TEST_MAIN(make_scene, NULL)

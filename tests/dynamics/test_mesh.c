@@ -596,6 +596,38 @@ TEST(a_recording_is_for_the_mesh_that_it_was_made_on)
     field_free(f);
 }
 
+TEST(a_tree_takes_a_motion_with_its_mesh_and_without)
+{
+    shape *s = shape_new();
+    add_grid(s, 3, 8, ground_flat);
+    s->mesh.origin[2] = -2;
+    mover *m = on_mesh(s), *none = on_mesh(NULL);
+    mover_add_cube(m, 0, 0, 3, 0.5);
+    mover_add_cube(none, 0, 0, 3, 0.5);
+    mover_run(m, 1);
+    mover_run(none, 1);
+    duet_tree_def def = duet_motion_tree_def(m->motion);
+    duet_tree *tree = must(duet_tree_create(&def, ERR));
+    must(duet_tree_set_motion(tree, m->motion, ERR));
+    duet_point_query_def points = duet_default_point_query_def();
+    duet_point_query_result found;
+    const duet_point at = {{0, 0, 1}};
+    points.tree = tree;
+    points.nearest = 2;
+    duet_point_query *query = must(duet_point_query_create(&points, ERR));
+    must(duet_point_query_run(query, &at, 1, &found, ERR));
+    assert_int_equal(found.hits[1].id, m->n + 6);
+    assert_close((double)found.hits[1].distance, 3, 0);
+    must(duet_tree_set_motion(tree, none->motion, ERR));
+    must(duet_point_query_run(query, &at, 1, &found, ERR));
+    assert_int_equal(found.hits[1].id, DUET_NO_OBJECT);
+    duet_point_query_destroy(query);
+    duet_tree_destroy(tree);
+    mover_free(m);
+    mover_free(none);
+    free(s);
+}
+
 TEST(a_mesh_is_one_partner_and_may_have_a_material)
 {
     shape *s = shape_new();

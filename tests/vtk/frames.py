@@ -311,6 +311,41 @@ def test_ground(program, folder):
     assert abs(area - 4 * 4.5) < 1e-12, area
 
 
+MESH = """
+add { centre = { 0, 0, 4 }, half_extents = { 0.5, 0.5, 0.5 } }
+return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' },
+         mesh = { file = 'block.obj', scale = 0.5, origin = { 0.25, 0, 1 } } }
+"""
+BLOCK = [(x, y, z) for z in (-2, 2) for y in (-3, 3) for x in (-1, 1)]
+FACES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+
+
+def triangles_of(path):
+    if vtk:
+        mesh = read_vtk(path)
+        ids, triangles = vtk.vtkIdList(), []
+        mesh.GetPolys().InitTraversal()
+        while mesh.GetPolys().GetNextCell(ids):
+            triangles.append([ids.GetId(k) for k in range(ids.GetNumberOfIds())])
+        return [mesh.GetPoint(k) for k in range(mesh.GetNumberOfPoints())], triangles
+    mesh = read_own(path)
+    assert mesh["counts"] == {"NumberOfPoints": 8, "NumberOfPolys": 12}
+    ends = [0] + mesh["offsets"]
+    return mesh["points"], [mesh["connectivity"][a:b] for a, b in zip(ends, ends[1:])]
+
+
+def test_mesh(program, folder):
+    """A block of triangles is closed and turned outwards, of its size and where it belongs."""
+    with open(os.path.join(folder, "block.obj"), "w") as f:
+        f.writelines("v %g %g %g\n" % v for v in BLOCK)
+        f.writelines("f %d %d %d %d\n" % tuple(i + 1 for i in face) for face in FACES)
+    points, triangles = triangles_of(os.path.join(run(program, folder, MESH, 8), "ground.vtp"))
+    assert all(len(t) == 3 for t in triangles)
+    assert abs(volume_of(triangles, points) - 1 * 3 * 2) < 1e-12
+    for v, p in zip(BLOCK, points):
+        assert near(p, (0.25 + v[0] / 2, v[1] / 2, 1 + v[2] / 2), 0), (v, p)
+
+
 # ---------------------------------------------------------------- a run that ends in the middle
 
 def test_end(program, folder, signal, status):
@@ -360,6 +395,8 @@ os.makedirs(sys.argv[2], exist_ok=True)
 for dims in (2, 3):
     test_drift(sys.argv[1], sys.argv[2], dims, seed)
 test_rest(sys.argv[1], sys.argv[2])
+test_ground(sys.argv[1], sys.argv[2])
+test_mesh(sys.argv[1], sys.argv[2])
 if not vtk:
     test_end(sys.argv[1], sys.argv[2], SIGKILL, -SIGKILL)
     test_end(sys.argv[1], sys.argv[2], SIGINT, -SIGINT)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Whether a moving box meets a prism, in rational numbers: as heights_prism.c, without an error.
-#include "runtime/narrowphase/heights_prism.h"
+// Whether a moving box meets a piece of a ground, in rational numbers: as ground_piece.c, without
+// an error.
+#include "runtime/narrowphase/ground_piece.h"
 
 #include <gmp.h>
 #include <math.h>
@@ -8,7 +9,7 @@
 // The box's axes are as long as `norm` says.
 typedef struct numbers {
     mpq_t q[4], norm, axis[3][3], centre[3], half[3], go[3];
-    mpq_t corner[3][3], edge[3][3], normal[3];
+    mpq_t corner[3][3], edge[3][3], up[3], normal[3];
     mpq_t way[3], at, best, speed, enter, leave, term, other;
 } numbers;
 
@@ -92,7 +93,7 @@ static void set_extent(numbers *n, int k, float lower, float upper)
     mpq_div_2exp(n->half[k], n->half[k], 1);
 }
 
-static void set_given(numbers *n, const heights_prism *p, const heights_probe *probe)
+static void set_given(numbers *n, const ground_piece *p, const ground_probe *probe)
 {
     set_axes(n, probe->rotation);
     for (int k = 0; k < 3; ++k) {
@@ -106,6 +107,9 @@ static void set_given(numbers *n, const heights_prism *p, const heights_probe *p
         for (int i = 0; i < 3; ++i)
             mpq_sub(n->edge[i][k], n->corner[(i + 1) % 3][k], n->corner[i][k]);
     }
+    mpq_set_ui(n->up[2], 1, 1);
+    if (p->is_sheet)
+        set_cross(n, n->up, n->edge[0], n->edge[1]);
 }
 
 // ---------------------------------------------------------------- axes
@@ -113,18 +117,15 @@ static void set_given(numbers *n, const heights_prism *p, const heights_probe *p
 static void set_normal(numbers *n, int k)
 {
     int axis, edge;
-    if (k < PRISM_TOP || k >= 16) {
-        mpq_t *along = k < PRISM_TOP ? n->edge[k] : n->axis[k - 16];
-        mpq_set(n->normal[0], along[1]);
-        mpq_neg(n->normal[1], along[0]);
-        mpq_set_ui(n->normal[2], 0, 1);
-    } else if (k == PRISM_TOP) {
+    if (k < PIECE_TOP || k >= 16) {
+        set_cross(n, n->normal, k < PIECE_TOP ? n->edge[k] : n->axis[k - 16], n->up);
+    } else if (k == PIECE_TOP) {
         set_cross(n, n->normal, n->edge[0], n->edge[1]);
-    } else if (prism_axis_is_product(k, &axis, &edge)) {
+    } else if (piece_axis_is_product(k, &axis, &edge)) {
         set_cross(n, n->normal, n->axis[axis], n->edge[edge]);
     } else {
         for (int i = 0; i < 3; ++i)
-            mpq_set(n->normal[i], n->axis[k - PRISM_PLANES][i]);
+            mpq_set(n->normal[i], n->axis[k - PIECE_PLANES][i]);
     }
 }
 
@@ -134,7 +135,7 @@ static void negate_normal(numbers *n)
         mpq_neg(n->normal[k], n->normal[k]);
 }
 
-// How far the box reaches into the prism along the normal is at + t speed, times norm.
+// How far the box reaches into the piece along the normal is at + t speed, times norm.
 static void set_within(numbers *n)
 {
     for (int i = 0; i < 3; ++i) {
@@ -176,23 +177,23 @@ static bool cut(state *s, int k)
     return !s->ends || mpq_cmp(n->enter, n->leave) <= 0;
 }
 
-// The prism has no end below: only axes that do not point down separate.
-static bool cut_by_axis(state *s, int k)
+// A prism has no end below: only axes that do not point down separate.
+static bool cut_by_axis(state *s, bool is_sheet, int k)
 {
     set_normal(&s->n, k);
     int up = mpq_sgn(s->n.normal[2]);
-    if (up < 0)
+    if (!is_sheet && up < 0)
         negate_normal(&s->n);
     if (!cut(s, k))
         return false;
-    if (up != 0 || k < PRISM_TOP)
+    if (!is_sheet && (up != 0 || k < PIECE_TOP))
         return true;
     negate_normal(&s->n);
     return cut(s, k);
 }
 
-bool heights_prism_meet_exactly(const heights_prism *p, const heights_probe *probe, double *t,
-                                int *entered)
+bool ground_piece_meet_exactly(const ground_piece *p, const ground_probe *probe, double *t,
+                               int *entered)
 {
     state s = {.ends = isfinite(probe->t_max), .entered = -1};
     bool meets = true;
@@ -200,8 +201,8 @@ bool heights_prism_meet_exactly(const heights_prism *p, const heights_probe *pro
     set_given(&s.n, p, probe);
     if (s.ends)
         mpq_set_d(s.n.leave, probe->t_max);
-    for (int k = 0; meets && k < (probe->is_point ? PRISM_PLANES : PRISM_AXES); ++k)
-        meets = cut_by_axis(&s, k);
+    for (int k = 0; meets && k < (probe->is_point ? PIECE_PLANES : PIECE_AXES); ++k)
+        meets = cut_by_axis(&s, p->is_sheet, k);
     *t = mpq_get_d(s.n.enter);
     *entered = s.entered;
     close_numbers(&s.n);

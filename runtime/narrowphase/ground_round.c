@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Whether a moving box with a radius meets a prism: whether their cores, the box without it and the
-// prism, come as near to each other.
+// Whether a moving box with a radius meets a piece of a ground: whether their cores, the box
+// without it and the piece, come as near to each other.
 //
 // The distance of two convex sets that move past each other is convex. Where they are nearest, they
 // come nearer no faster than along the gap: from the begin each gap leads to a later time, and
 // never beyond the first at which they touch.
-#include "runtime/narrowphase/heights_prism.h"
+#include "runtime/narrowphase/ground_piece.h"
 #include "runtime/narrowphase/vector.h"
 
 #include <math.h>
@@ -15,23 +15,25 @@ enum { STEPS = 200 };
 
 #define TOUCHING 0x1p-40 // of the sizes: nearer than the radius by rounding alone
 
-// From a place of the prism to the nearest one of the core, both from the core's centre.
+// From a place of the piece to the nearest one of the core, both from the core's centre.
 typedef struct gap {
     double way[3], square;
 } gap;
 
-// The prism, seen from the core's centre at some time, and where its walls may end: below the core.
+// The piece, seen from the core's centre at some time, the direction of its walls, and where they
+// may end: below the core.
 typedef struct scene {
-    const heights_probe *probe;
-    double corner[3][3], low;
+    const ground_probe *probe;
+    bool is_sheet;
+    double corner[3][3], up[3], low;
     gap best;
 } scene;
 
-static void offer(scene *s, const double on_prism[3], const double on_core[3])
+static void offer(scene *s, const double on_piece[3], const double on_core[3])
 {
     gap g = {.square = 0.0};
     for (int k = 0; k < 3; ++k) {
-        g.way[k] = on_core[k] - on_prism[k];
+        g.way[k] = on_core[k] - on_piece[k];
         g.square += g.way[k] * g.way[k];
     }
     if (g.square < s->best.square)
@@ -45,7 +47,7 @@ static double clamped(double value, double lower, double upper)
 
 // ---------------------------------------------------------------- corners
 
-static void offer_corner_of_prism(scene *s, const double at[3])
+static void offer_corner_of_piece(scene *s, const double at[3])
 {
     double point[3] = {0};
     for (int i = 0; i < 3; ++i) {
@@ -56,25 +58,42 @@ static void offer_corner_of_prism(scene *s, const double at[3])
     offer(s, at, point);
 }
 
-// Over the triangle its plane is nearest.
-static void offer_top(scene *s, const double at[3])
+static void set_top(double corner[3][3], double normal[3])
 {
-    double e[2][3], normal[3], way[3], foot[3];
+    double e[2][3];
     for (int k = 0; k < 3; ++k) {
-        e[0][k] = s->corner[1][k] - s->corner[0][k];
-        e[1][k] = s->corner[2][k] - s->corner[0][k];
-        way[k] = at[k] - s->corner[0][k];
+        e[0][k] = corner[1][k] - corner[0][k];
+        e[1][k] = corner[2][k] - corner[0][k];
     }
     cross(normal, e[0], e[1]);
+}
+
+static bool is_over(const scene *s, const double foot[3])
+{
+    bool over = true;
+    for (int i = 0; i < 3; ++i) {
+        const double *a = s->corner[i], *b = s->corner[(i + 1) % 3];
+        const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        const double way[3] = {foot[0] - a[0], foot[1] - a[1], foot[2] - a[2]};
+        double inward[3];
+        cross(inward, s->up, e);
+        over = over && dot(inward, way) >= 0.0;
+    }
+    return over;
+}
+
+// Over the triangle its plane is nearest, and below it that of a sheet.
+static void offer_top(scene *s, const double at[3])
+{
+    double normal[3], way[3], foot[3];
+    set_top(s->corner, normal);
+    for (int k = 0; k < 3; ++k)
+        way[k] = at[k] - s->corner[0][k];
     double high = dot(normal, way) / dot(normal, normal);
     for (int k = 0; k < 3; ++k)
         foot[k] = at[k] - high * normal[k];
-    for (int i = 0; i < 3; ++i) {
-        const double *a = s->corner[i], *b = s->corner[(i + 1) % 3];
-        if ((b[0] - a[0]) * (foot[1] - a[1]) - (b[1] - a[1]) * (foot[0] - a[0]) < 0.0)
-            return;
-    }
-    offer(s, foot, at);
+    if (is_over(s, foot))
+        offer(s, foot, at);
 }
 
 // Level from a wall.
@@ -105,7 +124,8 @@ static void offer_corner_of_core(scene *s, const double at[3])
 {
     offer_top(s, at);
     for (int side = 0; side < 3; ++side) {
-        offer_wall(s, side, at);
+        if (!s->is_sheet)
+            offer_wall(s, side, at);
         offer_top_edge(s, side, at);
     }
 }
@@ -116,7 +136,7 @@ static void offer_corner_of_core(scene *s, const double at[3])
 static void offer_edges(scene *s, const double a[3], const double b[3], const double from[3],
                         const double to[3])
 {
-    double d[3], e[3], way[3], on_prism[3], on_core[3];
+    double d[3], e[3], way[3], on_piece[3], on_core[3];
     for (int k = 0; k < 3; ++k) {
         d[k] = b[k] - a[k];
         e[k] = to[k] - from[k];
@@ -128,10 +148,10 @@ static void offer_edges(scene *s, const double a[3], const double b[3], const do
     double u = clamped((de * t + ew) / ee, 0.0, 1.0);
     t = clamped((de * u - dw) / dd, 0.0, 1.0);
     for (int k = 0; k < 3; ++k) {
-        on_prism[k] = a[k] + t * d[k];
+        on_piece[k] = a[k] + t * d[k];
         on_core[k] = from[k] + u * e[k];
     }
-    offer(s, on_prism, on_core);
+    offer(s, on_piece, on_core);
 }
 
 static void offer_edge_of_core(scene *s, const double from[3], const double to[3])
@@ -140,14 +160,15 @@ static void offer_edge_of_core(scene *s, const double from[3], const double to[3
         const double *a = s->corner[i];
         const double below[3] = {a[0], a[1], fmin(s->low, a[2] - 1.0)};
         offer_edges(s, a, s->corner[(i + 1) % 3], from, to);
-        offer_edges(s, a, below, from, to);
+        if (!s->is_sheet)
+            offer_edges(s, a, below, from, to);
     }
 }
 
 // ---------------------------------------------------------------- all of them
 
 // Corner `bits` of eight; false where it is another one's place.
-static bool corner_of_core(const heights_probe *p, int bits, double at[3])
+static bool corner_of_core(const ground_probe *p, int bits, double at[3])
 {
     memset(at, 0, 3 * sizeof *at);
     for (int i = 0; i < 3; ++i) {
@@ -162,11 +183,11 @@ static bool corner_of_core(const heights_probe *p, int bits, double at[3])
 
 static void find_gap(scene *s)
 {
-    const heights_probe *p = s->probe;
+    const ground_probe *p = s->probe;
     double at[3], end[3];
     s->best.square = INFINITY;
     for (int i = 0; i < 3; ++i)
-        offer_corner_of_prism(s, s->corner[i]);
+        offer_corner_of_piece(s, s->corner[i]);
     for (int bits = 0; bits < 8; ++bits) {
         if (!corner_of_core(p, bits, at))
             continue;
@@ -177,26 +198,28 @@ static void find_gap(scene *s)
     }
 }
 
-static void look_at(scene *s, const heights_prism *p, double t)
+static void look_at(scene *s, const ground_piece *p, double t)
 {
     s->low = -2.0 * s->probe->reach[2] - 1.0;
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)
             s->corner[i][k] = p->corner[i][k] - s->probe->centre[k] - t * s->probe->direction[k];
+    if (s->is_sheet)
+        set_top(s->corner, s->up);
 }
 
 // ---------------------------------------------------------------- the way
 
-static bool core_meets_at_begin(const heights_prism *p, const heights_probe *probe)
+static bool core_meets_at_begin(const ground_piece *p, const ground_probe *probe)
 {
-    heights_probe still = *probe;
-    heights_entry entry;
+    ground_probe still = *probe;
+    ground_entry entry;
     memset(still.direction, 0, sizeof still.direction);
     still.t_max = 0.0f;
-    return heights_prism_meet(p, &still, &entry);
+    return ground_piece_meet(p, &still, &entry);
 }
 
-static double size_of(const heights_prism *p, const heights_probe *probe)
+static double size_of(const ground_piece *p, const ground_probe *probe)
 {
     double size = probe->radius;
     for (int k = 0; k < 3; ++k)
@@ -204,13 +227,12 @@ static double size_of(const heights_prism *p, const heights_probe *probe)
     return size;
 }
 
-bool heights_prism_meet_round(const heights_prism *p, const heights_probe *probe,
-                              heights_entry *entry)
+bool ground_piece_meet_round(const ground_piece *p, const ground_probe *probe, ground_entry *entry)
 {
-    scene s = {.probe = probe};
+    scene s = {.probe = probe, .is_sheet = p->is_sheet, .up = {0, 0, 1}};
     double t = 0.0, last = fmin(probe->t_max, entry->t), touching = TOUCHING * size_of(p, probe);
     if (core_meets_at_begin(p, probe)) {
-        *entry = (heights_entry){0};
+        *entry = (ground_entry){0};
         return true;
     }
     for (int step = 0; step < STEPS; ++step) {
@@ -229,4 +251,17 @@ bool heights_prism_meet_round(const heights_prism *p, const heights_probe *probe
             return false;
     }
     return false;
+}
+
+// ---------------------------------------------------------------- with a radius or without
+
+bool ground_piece_improve(const ground_piece *p, const ground_probe *probe, ground_entry *best)
+{
+    ground_entry entry = *best;
+    bool meets = probe->radius > 0.0 ? ground_piece_meet_round(p, probe, &entry)
+                                     : ground_piece_meet(p, probe, &entry);
+    if (!meets || entry.t >= best->t)
+        return false;
+    *best = entry;
+    return true;
 }

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/narrowphase/ground_shape.h"
+
+#include "base/error.h"
+#include "runtime/narrowphase/heights.h"
+#include "runtime/narrowphase/mesh.h"
+#include "runtime/narrowphase/mesh_meet.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void *copy_of(const void *from, size_t bytes)
+{
+    void *to = malloc(bytes);
+    return to ? memcpy(to, from, bytes) : NULL;
+}
+
+static bool copy_heights(ground_shape *ground, const duet_heights *h)
+{
+    ground->heights = *h;
+    ground->heights.heights = copy_of(h->heights, heights_bytes(h));
+    return ground->heights.heights;
+}
+
+static bool copy_mesh(ground_shape *ground, const duet_mesh *m)
+{
+    ground->mesh = *m;
+    ground->mesh.vertices = copy_of(m->vertices, mesh_vertex_bytes(m));
+    ground->mesh.triangles = copy_of(m->triangles, mesh_triangle_bytes(m));
+    ground->tree = mesh_tree_make(m);
+    return ground->mesh.vertices && ground->mesh.triangles && ground->tree;
+}
+
+bool ground_shape_copy(ground_shape *ground, const duet_heights *heights, const duet_mesh *mesh,
+                       duet_error *err)
+{
+    *ground = (ground_shape){0};
+    if ((heights && !heights_check_places(heights, err)) || (mesh && !mesh_check_places(mesh, err)))
+        return false;
+    if ((!heights || copy_heights(ground, heights)) && (!mesh || copy_mesh(ground, mesh)))
+        return true;
+    ground_shape_free(ground);
+    return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes",
+                     mesh ? mesh_vertex_bytes(mesh) + mesh_triangle_bytes(mesh)
+                          : heights_bytes(heights));
+}
+
+void ground_shape_free(ground_shape *ground)
+{
+    free((void *)ground->heights.heights);
+    free((void *)ground->mesh.vertices);
+    free((void *)ground->mesh.triangles);
+    free(ground->tree);
+    *ground = (ground_shape){0};
+}
+
+bool ground_shape_is_there(const ground_shape *ground)
+{
+    return ground->heights.heights || ground->tree;
+}
+
+bool ground_shape_meet(const ground_shape *ground, const ground_probe *probe, ground_entry *entry)
+{
+    return ground->tree ? mesh_meet(&ground->mesh, ground->tree, probe, entry)
+                        : heights_meet(&ground->heights, probe, entry);
+}
+
+bool ground_shape_contain(const ground_shape *ground, const float at[3])
+{
+    const duet_ray still = {.origin = {at[0], at[1], at[2]}};
+    const ground_probe probe = ground_probe_of_ray(&still);
+    ground_entry entry;
+    return ground_shape_meet(ground, &probe, &entry);
+}
+
+double ground_shape_distance(const ground_shape *ground, const float at[3])
+{
+    return ground->tree ? mesh_distance(&ground->mesh, ground->tree, at)
+                        : heights_distance(&ground->heights, at);
+}
