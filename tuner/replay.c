@@ -286,7 +286,7 @@ static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
     };
     if (r->surface->joint) {
         tuned.search = "kernels";
-        problem.kernels = (tune_kernels){r, give_spaces};
+        problem.machine.read_kernels = give_spaces;
         plan_set_variants(&problem.plan, variants[0]);
     }
     trial_log log = {0};

@@ -98,7 +98,7 @@ static void add_stages(sums *s, const duet_stage *stages, uint32_t n)
 
 static void add_step(sums *s, const duet_motion *m, const duet_motion_result *step)
 {
-    const duet_result *search = &m->graph.searched;
+    const duet_result *found = &m->graph.searched;
     s->total_ms += step->total_ms;
     for (uint32_t i = 0; step->timed && i < step->n_stages; ++i) {
         duet_stage stage = step->stages[i];
@@ -108,9 +108,9 @@ static void add_step(sums *s, const duet_motion *m, const duet_motion_result *st
     if (!step->rebuilt)
         return;
     for (int side = 0; side < 2; ++side)
-        s->search_ms[side] += search->device_ms[side];
-    if (search->timed)
-        add_stages(s, search->stages, search->n_stages);
+        s->search_ms[side] += found->device_ms[side];
+    if (found->timed)
+        add_stages(s, found->stages, found->n_stages);
 }
 
 static bool run(run_state *q, const duet_plan *plan, bool staged, sums *s, duet_error *err)
@@ -220,7 +220,6 @@ const subject_kind subject_motion = {
     .close = close,
     .describe = describe,
     .find_truth = find_truth,
-    .launch = launch_motion,
-    .read_kernels = read_kernels,
+    .machine = {.launch = launch_motion, .read_kernels = read_kernels},
     .lives_on_one = true,
 };

@@ -221,6 +221,5 @@ const subject_kind subject_still = {
     .set_level = set_level,
     .level = level_of,
     .find_truth = find_truth,
-    .launch = step,
-    .read_kernels = read_kernels,
+    .machine = {.launch = step, .read_kernels = read_kernels},
 };

@@ -64,7 +64,5 @@ const subject_kind subject_task = {
     .open = open,
     .close = close,
     .describe = describe,
-    .launch = launch,
-    .train = train,
-    .read_kernels = read_kernels,
+    .machine = {.launch = launch, .train = train, .read_kernels = read_kernels},
 };

@@ -192,8 +192,7 @@ static bool run_fake(fake *f, const duet_tune_def *def, trial_log *state,
 {
     tune_problem problem = {
         .def = def,
-        .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
-        .kernels = {.context = f, .read = read_fake},
+        .machine = {.context = f, .launch = launch_fake, .read_kernels = read_fake, .hash = RIGHT},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8};
     return tune_run(&problem, state, outcome, err);
