@@ -30,13 +30,12 @@ bool joint_search_is_asked(const tune_problem *problem)
 static void add_kernels(tuning *t, joint_space *s, int device)
 {
     const measure_machine *machine = &t->problem->machine;
-    kernel_space *spaces = NULL;
-    uint32_t n = 0;
-    bool ok = machine->read_kernels(machine->context, &s->base, device, &spaces, &n, &t->why);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        ok = !kernel_tuning_is_meant(t->problem->def->search, &spaces[i]) ||
-             joint_space_add(s, device, &spaces[i], &t->why);
-    free(spaces);
+    kernel_spaces spaces = {0};
+    bool ok = machine->read_kernels(machine->context, &s->base, device, &spaces, &t->why);
+    for (uint32_t i = 0; ok && i < spaces.n; ++i)
+        ok = !kernel_tuning_is_meant(t->problem->def->search, &spaces.of[i]) ||
+             joint_space_add(s, device, &spaces.of[i], &t->why);
+    kernel_spaces_free(&spaces);
 }
 
 static void read_space(tuning *t, joint_space *s)

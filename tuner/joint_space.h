@@ -9,9 +9,8 @@
 #include "tuner/search.h"
 
 typedef struct joint_space {
-    kernel_space *kernels; // A's, then B's; owned
+    kernel_spaces kernels; // A's, then B's
     uint32_t n_a;          // A's
-    uint32_t n;            // of both devices
     uint32_t points;       // intervals of the grid of shares; 0: B does all
     duet_plan base;        // with the texts of the variants that configs are added to
 } joint_space;

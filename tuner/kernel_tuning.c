@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double BEHIND = 1.07;        // in times of the fastest
@@ -165,21 +164,21 @@ static void expect_trials(tuning *t, int device, const kernel_space *spaces, uin
 static void search_device(tuning *t, int device, uint32_t share)
 {
     const measure_machine *machine = &t->problem->machine;
-    kernel_space *spaces = NULL;
-    uint32_t n = 0, launches = t->launches, begun = t->state->played;
+    kernel_spaces spaces = {0};
+    uint32_t launches = t->launches, begun = t->state->played;
     duet_plan before = tuning_plan(t, share, DUET_MODE_OWN), after = before;
     bool usable = tuning_run_trial(t, &before).usable;
     t->found |= !usable; // the verdict tells why
     if (usable)
-        machine->read_kernels(machine->context, &before, device, &spaces, &n, &t->why);
-    for (uint32_t i = 0; i < n && tuning_goes_on(t); ++i) {
-        if (!kernel_tuning_is_meant(t->problem->def->search, &spaces[i]))
+        machine->read_kernels(machine->context, &before, device, &spaces, &t->why);
+    for (uint32_t i = 0; i < spaces.n && tuning_goes_on(t); ++i) {
+        if (!kernel_tuning_is_meant(t->problem->def->search, &spaces.of[i]))
             continue;
         t->found = true;
-        expect_trials(t, device, &spaces[i], n - i, t->state->played - begun);
-        search_kernel(t, device, &spaces[i], &after);
+        expect_trials(t, device, &spaces.of[i], spaces.n - i, t->state->played - begun);
+        search_kernel(t, device, &spaces.of[i], &after);
     }
-    free(spaces);
+    kernel_spaces_free(&spaces);
     t->outcome->kernels[device].launches = t->launches - launches;
     confirm_kernels(t, device, &before, &after);
     t->focus.stages = NULL;

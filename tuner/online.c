@@ -2,6 +2,7 @@
 #include "tuner/online.h"
 
 #include "tuner/stats.h"
+#include "tuner/strategy.h"
 
 #include <math.h>
 

@@ -14,18 +14,6 @@ search_options search_default_options(void)
     return (search_options){.quantum = 8, .points = 32, .rounds = 3, .probe_cost = 3.0};
 }
 
-bool search_begin(search *s, const char *name, const search_options *options, duet_error *err)
-{
-    *s = (search){.strategy = strategy_find(name),
-                  .options = options ? *options : search_default_options()};
-    if (!strategy_check(name, err))
-        return false;
-    s->options.quantum = s->options.quantum ? s->options.quantum : 1;
-    return s->strategy->choice == STRATEGY_SHARE ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "strategy '%s' chooses kernels too; expected one for the share alone", name);
-}
-
 void search_end(search *s)
 {
     free(s->samples);

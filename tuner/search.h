@@ -58,9 +58,7 @@ typedef struct search {
     uint32_t capacity;
 } search;
 
-// A search for the share. BAD_ARGUMENT for an unknown strategy: the line lists those there are.
-// options NULL: the default ones.
-bool search_begin(search *s, const char *strategy, const search_options *options, duet_error *err);
+// strategy.h begins one.
 void search_end(search *s);
 
 bool search_ask(const search *s, search_next *next, duet_error *err);

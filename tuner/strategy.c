@@ -244,6 +244,18 @@ bool strategy_check(const char *name, duet_error *err)
     return false;
 }
 
+bool search_begin(search *s, const char *name, const search_options *options, duet_error *err)
+{
+    *s = (search){.strategy = strategy_find(name),
+                  .options = options ? *options : search_default_options()};
+    if (!strategy_check(name, err))
+        return false;
+    s->options.quantum = s->options.quantum ? s->options.quantum : 1;
+    return s->strategy->choice == STRATEGY_SHARE ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "strategy '%s' chooses kernels too; expected one for the share alone", name);
+}
+
 static const strategy *share_strategy_at(uint32_t i)
 {
     const uint32_t n = sizeof strategies / sizeof *strategies - 1;

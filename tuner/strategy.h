@@ -38,6 +38,10 @@ bool strategy_check(const char *name, duet_error *err);
 // The strategy of a tuning whose script is own, or NULL.
 const strategy *strategy_of(const char *name, script *own);
 
+// Begins a search for the share. BAD_ARGUMENT for an unknown strategy: the line lists those there
+// are. options NULL: the default ones.
+bool search_begin(search *s, const char *strategy, const search_options *options, duet_error *err);
+
 extern const strategy strategy_balance, strategy_random, strategy_annealing, strategy_brute;
 extern const strategy strategy_lua, strategy_lua_joint;
 

@@ -56,8 +56,8 @@ static void set_number(lua_State *L, const char *name, double value)
 
 static void set_configs(lua_State *L, const joint_space *s, const search_sample *at)
 {
-    lua_createtable(L, (int)s->n, 0);
-    for (uint32_t i = 0; i < s->n; ++i) {
+    lua_createtable(L, (int)s->kernels.n, 0);
+    for (uint32_t i = 0; i < s->kernels.n; ++i) {
         lua_pushinteger(L, (lua_Integer)at->configs[i] + 1);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
@@ -100,9 +100,9 @@ static void push_configs(lua_State *L, const kernel_space *k)
 
 static void push_kernels(lua_State *L, const joint_space *s)
 {
-    lua_createtable(L, (int)s->n, 0);
-    for (uint32_t i = 0; i < s->n; ++i) {
-        const kernel_space *k = &s->kernels[i];
+    lua_createtable(L, (int)s->kernels.n, 0);
+    for (uint32_t i = 0; i < s->kernels.n; ++i) {
+        const kernel_space *k = &s->kernels.of[i];
         lua_newtable(L);
         lua_pushstring(L, i < s->n_a ? "A" : "B");
         lua_setfield(L, -2, "device");
@@ -155,12 +155,12 @@ static search_sample read_point(lua_State *L, const joint_space *s)
     uint32_t share = read_share(L, "the strategy's share is %s; expected 0 to 1");
     p.share = s->points ? share : 0;
     lua_getfield(L, -2, "configs");
-    for (uint32_t i = 0; lua_istable(L, -1) && i < s->n; ++i) {
+    for (uint32_t i = 0; lua_istable(L, -1) && i < s->kernels.n; ++i) {
         lua_geti(L, -1, (lua_Integer)i + 1);
         lua_Integer config = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : 0;
-        if (config < 1 || config > (lua_Integer)s->kernels[i].n_configs)
+        if (config < 1 || config > (lua_Integer)s->kernels.of[i].n_configs)
             luaL_error(L, "config %d is %s; expected 1 to %d", (int)i + 1,
-                       script_tostring(L, -1, NULL), (int)s->kernels[i].n_configs);
+                       script_tostring(L, -1, NULL), (int)s->kernels.of[i].n_configs);
         p.configs[i] = (uint16_t)(config - 1);
         lua_pop(L, 1);
     }

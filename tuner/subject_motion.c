@@ -7,6 +7,7 @@
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 #include "tuner/core_spread.h"
+#include "tuner/trial_log.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -171,44 +172,22 @@ static bool find_truth(subject *s, subject_truth *truth, duet_error *err)
 static bool has_run(const run_state *q, const duet_plan *plan)
 {
     const duet_plan *last = q->motion ? &q->motion->def.plan : NULL;
-    return last && q->motion->step > 0 && last->share == plan->share && last->mode == plan->mode &&
-           strcmp(last->variant_a, plan->variant_a) == 0 &&
-           strcmp(last->variant_b, plan->variant_b) == 0;
+    return last && q->motion->step > 0 && trial_log_same_plan(last, plan);
 }
 
-// Appends the kernels of the search to the motion's own.
-static bool join(kernel_space **spaces, uint32_t *n, duet_motion *m, int side, duet_error *err)
-{
-    kernel_space *more = NULL;
-    uint32_t n_more = 0;
-    bool ok = kernel_spaces_read(m->graph.world, side, &more, &n_more, err);
-    kernel_space *all = ok ? realloc(*spaces, (*n + n_more + 1) * sizeof *all) : NULL;
-    if (all) {
-        memcpy(all + *n, more, n_more * sizeof *all);
-        *spaces = all;
-        *n += n_more;
-    } else if (ok) {
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
-    }
-    free(more);
-    return ok;
-}
-
-// Reads spaces as kernel_spaces_read does: B's kernels of the motion, and both devices' kernels
+// B's kernels of the motion, and both devices' kernels
 // that search pairs. Runs the motion unless its last run was by that plan.
-static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
-                         uint32_t *n, duet_error *err)
+static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_spaces *to,
+                         duet_error *err)
 {
     run_state *q = ((subject *)context)->state;
     sums s = {0};
-    *spaces = NULL;
-    *n = 0;
     if (!has_run(q, plan) && !run(q, plan, false, &s, err))
         return false;
     duet_motion *m = q->motion;
     bool searches = m->graph.world && world_is_prepared(m->graph.world, side);
-    return (side == 0 || motion_kernel_spaces(m, spaces, n, err)) &&
-           (!searches || join(spaces, n, m, side, err));
+    return (side == 0 || motion_kernel_spaces(m, to, err)) &&
+           (!searches || kernel_spaces_read(m->graph.world, side, to, err));
 }
 
 const subject_kind subject_motion = {

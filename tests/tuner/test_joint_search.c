@@ -108,16 +108,12 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     return true;
 }
 
-static bool read_fake(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                      uint32_t *n, duet_error *err)
+static bool read_fake(void *context, const duet_plan *plan, int device, kernel_spaces *to,
+                      duet_error *err)
 {
     const fake *f = context;
-    (void)plan, (void)device, (void)err;
-    *spaces = malloc(sizeof **spaces);
-    assert_non_null(*spaces);
-    **spaces = f->space;
-    *n = 1;
-    return true;
+    (void)plan, (void)device;
+    return kernel_spaces_add(to, &f->space, err);
 }
 
 static bool watch_fake(void *context, const duet_tune_progress *p)
@@ -205,12 +201,12 @@ TEST(many_kernels_leave_a_number_of_plans)
     for (int device = 0; device < 2; ++device)
         for (int i = 0; i <= SEARCH_KERNELS; ++i) // one more than there is space for
             must(joint_space_add(&s, device, &f.space, ERR));
-    assert_int_equal(s.n, 2 * SEARCH_KERNELS);
+    assert_int_equal(s.kernels.n, 2 * SEARCH_KERNELS);
     const uint64_t most = UINT64_C(1) << 24;
     uint64_t n = joint_space_count(&s);
     assert_true(n == most * most * (POINTS - 1) + 2 * most);
     search_sample last = joint_space_at(&s, n - 1);
-    for (uint32_t i = 0; i < s.n; ++i)
+    for (uint32_t i = 0; i < s.kernels.n; ++i)
         assert_true(last.configs[i] < CONFIGS);
     joint_space_free(&s);
 }
