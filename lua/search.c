@@ -4,7 +4,7 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-#include "tuner/search.h"
+#include "tuner/strategy.h"
 
 typedef struct search_box {
     search search;
@@ -54,7 +54,7 @@ static int search_open(lua_State *L)
     search_box *box = class_push(L, &search_class, sizeof *box);
     box->open = search_begin(&box->search, def.strategy, &def.options, &err);
     if (box->open && def.strategy_lua)
-        box->search.history.script = strategy_lua_open("strategy", def.strategy_lua, &err);
+        box->search.script = strategy_lua_open("strategy", def.strategy_lua, &err);
     return err.status == DUET_STATUS_OK ? 1 : class_push_failure(L, &err);
 }
 
@@ -62,7 +62,7 @@ static int search_close(lua_State *L)
 {
     search_box *box = luaL_checkudata(L, 1, search_class.name);
     if (box->open) {
-        script_close(box->search.history.script);
+        script_close(box->search.script);
         search_end(&box->search);
     }
     box->open = false;

@@ -433,7 +433,6 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
         .machine = subject_machine(s, h->hash),
         .others = {h->cores, look_at_others},
         .meter = h->meter,
-        .kernels = {.context = s, .read = s->kind->read_kernels},
         .one_device = s->one_device,
         .plan = s->plan,
         .start = guessed ? near->plan.share : usual.share,

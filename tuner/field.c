@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/field.h"
 
+#include <math.h>
+
 void field_enter(field *f, duet_plan plan)
 {
     if (f->n < RACE_RIVALS)
@@ -38,15 +40,12 @@ static double time_of(const tuning *t, const trial *got, bool of_a)
     return (double)(t->focus.stages ? got->focus_ns : step);
 }
 
-bool field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless,
-                duet_error *err)
+void field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless)
 {
     uint32_t rival;
     f->race = race_begin(f->n, options);
-    while (tuning_within_budget(t) && race_next(&f->race, &rival)) {
-        trial got;
-        if (!tuning_run_trial(t, &f->plans[rival], &got, err))
-            return false;
+    while (tuning_goes_on(t) && race_next(&f->race, &rival)) {
+        trial got = tuning_run_trial(t, &f->plans[rival]);
         if (got.usable)
             race_add(&f->race, rival, time_of(t, &got, of_a));
         else
@@ -54,5 +53,13 @@ bool field_race(tuning *t, field *f, const race_options *options, bool of_a, dou
         drop_hopeless(&f->race, hopeless);
         f->terms[rival] = got.terms;
     }
-    return true;
+}
+
+race_gain field_duel(tuning *t, const duet_plan *usual, const duet_plan *plan,
+                     const race_options *options)
+{
+    field f = {.plans = {*usual, *plan}, .n = 2};
+    field_race(t, &f, options, false, INFINITY);
+    return race_rounds(&f.race, 0, 1) > 0 ? race_compare(&f.race, 1, 0)
+                                          : race_no_gain(RACE_AMBIGUOUS);
 }

@@ -24,7 +24,10 @@ uint32_t field_find(const field *f, const duet_plan *plan);
 // Races until it is decided or the stage's part of the budget is spent. A trial's time is the time
 // of the stages in focus or else the total, or A's own if A's variant is chosen. A plan that takes
 // `hopeless` times the leader's time runs no more. options NULL: the default ones.
-bool field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless,
-                duet_error *err);
+void field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless);
+
+// Races a plan against the usual one, and tells its gain: AMBIGUOUS if one of them did not run.
+race_gain field_duel(tuning *t, const duet_plan *usual, const duet_plan *plan,
+                     const race_options *options);
 
 #endif

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/joint_search.h"
-
 #include "tuner/field.h"
 #include "tuner/joint_space.h"
-#include "tuner/kernel_tuning.h"
+#include "tuner/stages.h"
+#include "tuner/strategy.h"
 #include "tuner/trial_budget.h"
 
 #include <math.h>
@@ -27,36 +26,29 @@ bool joint_search_is_asked(const tune_problem *problem)
 
 // ---------------------------------------------------------------- space
 
-// Keeps those that the search is meant for.
-static uint32_t keep_meant(const duet_tune_def *def, kernel_space *spaces, uint32_t n)
+// Adds the kernels of a device that the search is meant for.
+static void add_kernels(tuning *t, joint_space *s, int device)
 {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < n && kept < SEARCH_KERNELS; ++i)
-        if (kernel_tuning_is_meant(def->search, &spaces[i]))
-            spaces[kept++] = spaces[i];
-    return kept;
+    const measure_machine *machine = &t->problem->machine;
+    kernel_spaces spaces = {0};
+    bool ok = machine->read_kernels(machine->context, &s->base, device, &spaces, &t->why);
+    for (uint32_t i = 0; ok && i < spaces.n; ++i)
+        ok = !kernel_tuning_is_meant(t->problem->def->search, &spaces.of[i]) ||
+             joint_space_add(s, device, &spaces.of[i], &t->why);
+    kernel_spaces_free(&spaces);
 }
 
-static bool read_space(tuning *t, joint_space *s, duet_error *err)
+static void read_space(tuning *t, joint_space *s)
 {
     const tune_problem *problem = t->problem;
     uint32_t half = problem->one_device ? 0 : DUET_SHARE_ONE / 2;
     duet_mode mode = problem->def->n_modes ? problem->def->modes[0] : DUET_MODE_OWN;
-    trial got;
     *s = (joint_space){.points = problem->one_device ? 0 : POINTS,
                        .base = tuning_plan(t, half, mode)};
-    if (!tuning_run_trial(t, &s->base, &got, err))
-        return false;
-    for (int device = 0; problem->def->search && got.usable && device < 2; ++device) {
-        uint32_t n = 0;
-        if (problem->one_device && device == 0)
-            continue;
-        if (!problem->kernels.read(problem->kernels.context, &s->base, device, &s->kernels[device],
-                                   &n, err))
-            return false;
-        s->n_kernels[device] = keep_meant(problem->def, s->kernels[device], n);
-    }
-    return true;
+    bool usable = tuning_run_trial(t, &s->base).usable;
+    for (int device = problem->one_device ? 1 : 0; problem->def->search && usable && device < 2;
+         ++device)
+        add_kernels(t, s, device);
 }
 
 // ---------------------------------------------------------------- search
@@ -70,15 +62,6 @@ static uint32_t count_samples(const strategy *of, const joint_space *space)
     return n / 10 < LEAST ? LEAST : n / 10 > MOST ? MOST : (uint32_t)(n / 10);
 }
 
-static bool run_strategy(tuning *t, search *s, duet_error *err)
-{
-    bool usable;
-    s->history.options.launches = count_samples(s->strategy, s->history.space);
-    t->search_known = true;
-    t->search_trials = s->history.options.launches + FINALISTS * finals.most_rounds;
-    return mode_search_ask(t, s, &usable, err);
-}
-
 // ---------------------------------------------------------------- choice
 
 static int by_time(const void *a, const void *b)
@@ -90,7 +73,7 @@ static int by_time(const void *a, const void *b)
 }
 
 // The best of many short times is mostly one that was lucky, so the best few race.
-static bool race_best_few(tuning *t, const search_history *h, duet_plan *best, duet_error *err)
+static duet_plan race_best_few(tuning *t, const search *h)
 {
     field f = {0};
     for (uint32_t i = 0; i < h->n && f.n < FINALISTS; ++i) {
@@ -99,17 +82,14 @@ static bool race_best_few(tuning *t, const search_history *h, duet_plan *best, d
             field_enter_new(&f, &plan);
     }
     if (f.n == 0)
-        return true;
-    *best = f.plans[0];
-    if (!field_race(t, &f, &finals, false, INFINITY, err))
-        return false;
+        return h->space->base;
+    field_race(t, &f, &finals, false, INFINITY);
     uint32_t winner = race_best(&f.race, 0, f.n);
-    *best = f.plans[winner < f.n ? winner : 0];
-    return true;
+    return f.plans[winner < f.n ? winner : 0];
 }
 
 // The least that a device would take for all the work, by its part in any launch.
-static double expect_alone(const search_history *h, int device)
+static double expect_alone(const search *h, int device)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < h->n; ++i) {
@@ -122,37 +102,40 @@ static double expect_alone(const search_history *h, int device)
     return least;
 }
 
-static bool choose(tuning *t, search_history *h, mode_found *found, duet_error *err)
+static mode_found choose(tuning *t, search *h)
 {
-    duet_plan best = h->space->base;
-    *found = (mode_found){
-        .mode = best.mode, .a_alone_ns = expect_alone(h, 0), .b_alone_ns = expect_alone(h, 1)};
-    qsort(h->samples, h->n, sizeof *h->samples, by_time);
-    found->usable = h->n > 0 && !h->samples[0].failed;
-    if (!race_best_few(t, h, &best, err))
-        return false;
-    found->share = best.share;
+    mode_found found = {.mode = h->space->base.mode,
+                        .a_alone_ns = expect_alone(h, 0),
+                        .b_alone_ns = expect_alone(h, 1)};
+    if (h->n > 0)
+        qsort(h->samples, h->n, sizeof *h->samples, by_time);
+    found.usable = h->n > 0 && !h->samples[0].failed;
+    duet_plan best = race_best_few(t, h);
+    found.share = best.share;
     plan_set_variant(&t->plan, 0, best.variant_a);
     plan_set_variant(&t->plan, 1, best.variant_b);
-    return true;
+    return found;
 }
 
-bool joint_search_run(tuning *t, mode_found *found, uint32_t *n, duet_tune_outcome *told,
-                      duet_error *err)
+void joint_search_run(tuning *t)
 {
-    *n = 1;
-    joint_space s = {0};
-    search joint = {
-        .strategy = strategy_for(t->problem),
-        .history = {.space = &s, .script = t->problem->script, .seed = t->problem->def->seed}};
+    joint_space s;
     t->stage = "kernels and share";
     t->stage_end = SEARCH_END;
-    bool ok = read_space(t, &s, err) && run_strategy(t, &joint, err);
+    read_space(t, &s);
+    search joint = {.strategy = strategy_for(t->problem),
+                    .space = &s,
+                    .script = t->problem->script,
+                    .seed = t->problem->def->seed};
+    joint.options.launches = count_samples(joint.strategy, &s);
+    t->search_known = true;
+    t->search_trials = joint.options.launches + FINALISTS * finals.most_rounds;
+    mode_search_ask(t, &joint);
     uint64_t plans = joint_space_count(&s);
-    told->plans = plans < UINT32_MAX ? (uint32_t)plans : UINT32_MAX;
-    told->plans_tried = joint.history.n;
-    ok = ok && choose(t, &joint.history, found, err);
+    t->outcome->plans = plans < UINT32_MAX ? (uint32_t)plans : UINT32_MAX;
+    t->outcome->plans_tried = joint.n;
+    t->founds[0] = choose(t, &joint);
+    t->n_founds = 1;
     search_end(&joint);
     joint_space_free(&s);
-    return ok;
 }

@@ -1,22 +1,33 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/joint_space.h"
 
+#include "base/error.h"
 #include "tuner/kernel_search.h"
 #include "tuner/tune.h"
 
-#include <stdlib.h>
+bool joint_space_add(joint_space *s, int device, const kernel_space *kernel, duet_error *err)
+{
+    if ((device == 0 ? s->n_a : s->kernels.n - s->n_a) == SEARCH_KERNELS)
+        return true;
+    s->n_a += device == 0;
+    return kernel_spaces_add(&s->kernels, kernel, err);
+}
 
 void joint_space_free(joint_space *s)
 {
-    free(s->kernels[0]);
-    free(s->kernels[1]);
-    *s = (joint_space){0};
+    kernel_spaces_free(&s->kernels);
+}
+
+static int device_of(const joint_space *s, uint32_t kernel)
+{
+    return kernel < s->n_a ? 0 : 1;
 }
 
 static void reset_device(const joint_space *s, search_sample *p, int device)
 {
-    for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
-        p->configs[device][i] = (uint16_t)s->kernels[device][i].now;
+    for (uint32_t i = 0; i < s->kernels.n; ++i)
+        if (device_of(s, i) == device)
+            p->configs[i] = (uint16_t)s->kernels.of[i].now;
 }
 
 search_sample joint_space_base(const joint_space *s, uint32_t share)
@@ -49,8 +60,8 @@ static uint32_t share_of(const joint_space *s, uint32_t place)
 static uint64_t count_configs(const joint_space *s, int device)
 {
     uint64_t n = 1;
-    for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
-        n *= s->kernels[device][i].n_configs;
+    for (uint32_t i = 0; i < s->kernels.n; ++i) {
+        n *= device_of(s, i) == device ? s->kernels.of[i].n_configs : 1;
         n = n < MOST_CONFIGS ? n : MOST_CONFIGS;
     }
     return n;
@@ -64,11 +75,11 @@ uint64_t joint_space_count(const joint_space *s)
 
 static void set_configs(const joint_space *s, search_sample *p, int device, uint64_t number)
 {
-    for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
-        uint32_t n = s->kernels[device][i].n_configs;
-        p->configs[device][i] = (uint16_t)(number % n);
-        number /= n;
-    }
+    for (uint32_t i = 0; i < s->kernels.n; ++i)
+        if (device_of(s, i) == device) {
+            p->configs[i] = (uint16_t)(number % s->kernels.of[i].n_configs);
+            number /= s->kernels.of[i].n_configs;
+        }
 }
 
 // B alone, then A alone, then both at each share between.
@@ -95,9 +106,8 @@ search_sample joint_space_at(const joint_space *s, uint64_t number)
 search_sample joint_space_random(const joint_space *s, rng *r)
 {
     search_sample p = {.share = share_of(s, rng_below(r, s->points + 1))};
-    for (int device = 0; device < 2; ++device)
-        for (uint32_t i = 0; i < s->n_kernels[device]; ++i)
-            p.configs[device][i] = (uint16_t)rng_below(r, s->kernels[device][i].n_configs);
+    for (uint32_t i = 0; i < s->kernels.n; ++i)
+        p.configs[i] = (uint16_t)rng_below(r, s->kernels.of[i].n_configs);
     joint_space_normalize(s, &p);
     return p;
 }
@@ -133,14 +143,11 @@ static uint32_t step_share(const joint_space *s, uint32_t share, rng *r)
 search_sample joint_space_neighbour(const joint_space *s, const search_sample *p, rng *r)
 {
     search_sample to = *p;
-    uint32_t n = s->n_kernels[0] + s->n_kernels[1];
-    if (n == 0 || (s->points && rng_below(r, 3) == 0)) {
+    if (s->kernels.n == 0 || (s->points && rng_below(r, 3) == 0)) {
         to.share = step_share(s, p->share, r);
     } else {
-        uint32_t which = rng_below(r, n);
-        int device = which >= s->n_kernels[0];
-        uint32_t i = device ? which - s->n_kernels[0] : which;
-        to.configs[device][i] = step_config(&s->kernels[device][i], to.configs[device][i], r);
+        uint32_t i = rng_below(r, s->kernels.n);
+        to.configs[i] = step_config(&s->kernels.of[i], to.configs[i], r);
     }
     joint_space_normalize(s, &to);
     return to;
@@ -152,13 +159,13 @@ bool joint_space_plan(const joint_space *s, const search_sample *p, duet_plan *p
 {
     *plan = s->base;
     plan->share = p->share;
-    for (int device = 0; device < 2; ++device)
-        for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
-            char variant[DUET_VARIANT];
-            if (!kernel_space_write(&s->kernels[device][i], p->configs[device][i],
-                                    plan_variant(plan, device), variant, sizeof variant))
-                return false;
-            plan_set_variant(plan, device, variant);
-        }
+    for (uint32_t i = 0; i < s->kernels.n; ++i) {
+        char variant[DUET_VARIANT];
+        int device = device_of(s, i);
+        if (!kernel_space_write(&s->kernels.of[i], p->configs[i], plan_variant(plan, device),
+                                variant, sizeof variant))
+            return false;
+        plan_set_variant(plan, device, variant);
+    }
     return true;
 }

@@ -6,15 +6,17 @@
 
 #include "base/rng.h"
 #include "runtime/broadphase/kernel_space.h"
-#include "tuner/search_history.h"
+#include "tuner/search.h"
 
 typedef struct joint_space {
-    kernel_space *kernels[2]; // of A and of B, owned
-    uint32_t n_kernels[2];
-    uint32_t points; // intervals of the grid of shares; 0: B does all
-    duet_plan base;  // with the texts of the variants that configs are added to
+    kernel_spaces kernels; // A's, then B's
+    uint32_t n_a;          // A's
+    uint32_t points;       // intervals of the grid of shares; 0: B does all
+    duet_plan base;        // with the texts of the variants that configs are added to
 } joint_space;
 
+// Adds a kernel of a device, A's before B's; beyond SEARCH_KERNELS of a device none.
+bool joint_space_add(joint_space *s, int device, const kernel_space *kernel, duet_error *err);
 void joint_space_free(joint_space *s);
 
 // The configs that ran at first, at a share.

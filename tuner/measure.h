@@ -8,8 +8,9 @@
 #include "base/core_watch.h"
 #include "base/energy_meter.h"
 #include "profiles/session.h"
+#include "runtime/broadphase/kernel_space.h"
 #include "tuner/duet_tune.h"
-#include "tuner/search_history.h"
+#include "tuner/search.h"
 
 enum {
     MEASURE_REPEATS = 32,
@@ -40,6 +41,10 @@ typedef struct measure_machine {
     uint64_t hash; // the right result's hash
     // The plan so many times, of which only the last is checked; NULL: by `launch`.
     bool (*train)(void *context, const duet_plan *plan, uint32_t n, duet_error *err);
+    // Adds the config spaces of the kernels that a device runs by a plan. Called only if kernels
+    // are searched.
+    bool (*read_kernels)(void *context, const duet_plan *plan, int device, kernel_spaces *to,
+                         duet_error *err);
 } measure_machine;
 
 typedef struct measurement {

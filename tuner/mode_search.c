@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/mode_search.h"
-
 #include "tuner/joint_space.h"
+#include "tuner/stages.h"
+#include "tuner/strategy.h"
 #include "tuner/trial_budget.h"
 
 #include <math.h>
 #include <string.h>
 
 // A's time for all the work, from the least and the largest part that it did.
-static double expect_a_alone(const search_history *h)
+static double expect_a_alone(const search *h)
 {
     const search_sample *small = NULL, *large = NULL;
     for (uint32_t i = 0; i < h->n; ++i) {
@@ -28,35 +28,34 @@ static double expect_a_alone(const search_history *h)
     return (double)large->a_ns + fmax(slope, 0) * (DUET_SHARE_ONE - large->share);
 }
 
-bool mode_search_ask(tuning *t, search *s, bool *usable, duet_error *err)
+bool mode_search_ask(tuning *t, search *s)
 {
     const bool joint = s->strategy->choice != STRATEGY_SHARE;
-    for (*usable = true; *usable || joint;) {
+    bool usable = true;
+    while (usable || joint) {
         search_next next;
         duet_plan plan;
         trial got = {0};
-        if (!search_ask(s, &next, err))
-            return false;
-        t->cut |= !next.done && !tuning_within_budget(t);
+        if (!search_ask(s, &next, &t->why))
+            break;
+        t->cut |= !next.done && !tuning_goes_on(t);
         if (next.done || t->cut)
-            return true;
-        if (joint_space_plan(s->history.space, &next.at, &plan) &&
-            !tuning_run_trial(t, &plan, &got, err))
-            return false;
-        *usable = got.usable;
+            break;
+        if (joint_space_plan(s->space, &next.at, &plan))
+            got = tuning_run_trial(t, &plan);
+        usable = got.usable;
         search_sample told = got.sample;
         told.share = next.at.share;
-        told.failed = !got.usable;
+        told.failed = !usable;
         memcpy(told.configs, next.at.configs, sizeof told.configs);
-        if ((*usable || joint) && !search_tell(s, &told, err))
-            return false;
+        if ((usable || joint) && !search_tell(s, &told, &t->why))
+            break;
     }
-    return true;
+    return usable;
 }
 
 // near: a share to begin from, or NULL.
-static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_found *out,
-                        duet_error *err)
+static mode_found search_mode(tuning *t, duet_mode mode, const uint32_t *near)
 {
     search s;
     const joint_space share_alone = {.base = tuning_plan(t, 0, mode)};
@@ -64,22 +63,22 @@ static bool search_mode(tuning *t, duet_mode mode, const uint32_t *near, mode_fo
     options.quantum = t->problem->least_share;
     options.has_start = near;
     options.start = near ? *near : 0;
-    if (!search_begin(&s, t->problem->def->strategy, &options, err))
-        return false;
-    s.history.script = t->problem->script;
-    s.history.space = &share_alone;
-    bool ok = mode_search_ask(t, &s, &out->usable, err);
-    out->mode = mode;
-    out->usable = out->usable && s.history.n > 0;
-    out->share = search_pick(&s);
+    mode_found found = {.mode = mode, .a_alone_ns = INFINITY, .b_alone_ns = INFINITY};
+    if (!search_begin(&s, t->problem->def->strategy, &options, &t->why))
+        return found;
+    s.script = t->problem->script;
+    s.space = &share_alone;
+    found.usable = mode_search_ask(t, &s) && s.n > 0;
+    found.share = search_pick(&s);
     // One device alone may only seem the best if the search was cut short.
-    if (t->cut && (out->share == 0 || out->share == DUET_SHARE_ONE))
-        out->share = search_history_first_share(&s.history);
-    out->a_alone_ns = expect_a_alone(&s.history);
-    const search_sample *b_alone = search_history_at(&s.history, 0);
-    out->b_alone_ns = b_alone ? (double)b_alone->total_ns : INFINITY;
+    if (t->cut && (found.share == 0 || found.share == DUET_SHARE_ONE))
+        found.share = search_first_share(&s);
+    found.a_alone_ns = expect_a_alone(&s);
+    const search_sample *b_alone = search_at(&s, 0);
+    if (b_alone)
+        found.b_alone_ns = (double)b_alone->total_ns;
     search_end(&s);
-    return ok;
+    return found;
 }
 
 // One device's grid is of no use to the other if they search differently.
@@ -105,18 +104,16 @@ static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
     return n;
 }
 
-bool mode_search_run(tuning *t, mode_found founds[MOST_MODES], uint32_t *n, duet_error *err)
+void mode_search_run(tuning *t)
 {
     duet_mode modes[MOST_MODES];
     const uint32_t *near = t->problem->start ? &t->problem->start : NULL;
-    *n = t->problem->one_device ? 0 : list_modes(t, modes);
+    const double from = t->problem->def->search ? KERNELS_END : VARIANTS_END;
+    t->n_founds = t->problem->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
-    for (uint32_t i = 0; i < *n; ++i) {
-        double from = t->problem->def->search ? KERNELS_END : VARIANTS_END;
-        t->stage_end = from + (SEARCH_END - from) * (i + 1) / *n;
-        if (!search_mode(t, modes[i], near, &founds[i], err))
-            return false;
-        near = founds[i].usable ? &founds[i].share : near;
+    for (uint32_t i = 0; i < t->n_founds; ++i) {
+        t->stage_end = from + (SEARCH_END - from) * (i + 1) / t->n_founds;
+        t->founds[i] = search_mode(t, modes[i], near);
+        near = t->founds[i].usable ? &t->founds[i].share : near;
     }
-    return true;
 }

@@ -2,6 +2,7 @@
 #include "tuner/online.h"
 
 #include "tuner/stats.h"
+#include "tuner/strategy.h"
 
 #include <math.h>
 
@@ -359,7 +360,7 @@ static bool next_share(const online *o, uint32_t *share, duet_error *err)
     search_next next;
     if (!search_ask(&o->search, &next, err))
         return false;
-    const search_sample *last = &o->search.history.samples[o->search.history.n - 1];
+    const search_sample *last = &o->search.samples[o->search.n - 1];
     double most = (1 + o->most_extra) * expect_total(last, last->share);
     while (next.at.share != last->share && expect_total(last, next.at.share) > most)
         next.at.share = (next.at.share + last->share) / 2;

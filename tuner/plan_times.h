@@ -8,7 +8,7 @@
 #define TUNER_PLAN_TIMES_H
 
 #include "tuner/duet_tune.h"
-#include "tuner/search_history.h"
+#include "tuner/search.h"
 
 #define PLAN_LEAST_SHARE (SEARCH_ONE / 64) // that can be measured
 

@@ -18,6 +18,11 @@ const char *race_verdict_name(race_verdict verdict)
     return names[verdict];
 }
 
+race_gain race_no_gain(race_verdict verdict)
+{
+    return (race_gain){.verdict = verdict, .ratio = 1, .interval = {1, 1, 1}};
+}
+
 race race_begin(uint32_t n, const race_options *options)
 {
     assert(n > 0 && n <= RACE_RIVALS);

@@ -52,6 +52,8 @@ typedef struct race_gain {
     stats_interval interval;
 } race_gain;
 
+race_gain race_no_gain(race_verdict verdict); // as fast as the other
+
 race race_begin(uint32_t n, const race_options *options); // NULL: the default ones
 
 // Finds the rival to measure next; false if the race is over: one rival is left, it is known how

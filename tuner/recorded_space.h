@@ -5,7 +5,7 @@
 #define TUNER_RECORDED_SPACE_H
 
 #include "runtime/broadphase/kernel_space.h"
-#include "tuner/search_history.h"
+#include "tuner/search.h"
 
 #define RECORDED_DEFAULT INT64_MIN // stands for the value that ran at first
 

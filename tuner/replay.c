@@ -239,16 +239,15 @@ static bool count_search(void *context, const duet_tune_progress *progress)
     return true;
 }
 
-static bool give_spaces(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                        uint32_t *n, duet_error *err)
+static bool give_spaces(void *context, const duet_plan *plan, int device, kernel_spaces *to,
+                        duet_error *err)
 {
     const recorded_space *s = &((const replay *)context)->spaces[device];
+    bool ok = true;
     (void)plan;
-    *n = s->n;
-    *spaces = malloc((s->n + 1) * sizeof **spaces);
-    if (*spaces)
-        memcpy(*spaces, s->kernels, s->n * sizeof **spaces);
-    return *spaces || error_set(err, DUET_STATUS_NO_MEMORY, "recorded kernels: no memory");
+    for (uint32_t i = 0; ok && i < s->n; ++i)
+        ok = kernel_spaces_add(to, &s->kernels[i], err);
+    return ok;
 }
 
 static bool check_fits(const replay *r, const replay_def *def, duet_error *err)
@@ -286,7 +285,7 @@ static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
     };
     if (r->surface->joint) {
         tuned.search = "kernels";
-        problem.kernels = (tune_kernels){r, give_spaces};
+        problem.machine.read_kernels = give_spaces;
         plan_set_variants(&problem.plan, variants[0]);
     }
     trial_log log = {0};

@@ -1,50 +1,52 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/search.h"
 
-bool search_begin(search *s, const char *name, const search_options *options, duet_error *err)
+#include "base/budget.h"
+#include "tuner/stats.h"
+#include "tuner/strategy.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+search_options search_default_options(void)
 {
-    *s = (search){.strategy = strategy_find(name)};
-    if (!strategy_check(name, err))
-        return false;
-    if (s->strategy->choice != STRATEGY_SHARE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "strategy '%s' chooses kernels too; expected one for the share alone",
-                         name);
-    search_options *own = &s->history.options;
-    *own = options ? *options : search_default_options();
-    if (own->quantum == 0)
-        own->quantum = 1;
-    return true;
+    return (search_options){.quantum = 8, .points = 32, .rounds = 3, .probe_cost = 3.0};
 }
 
 void search_end(search *s)
 {
-    search_history_free(&s->history);
+    free(s->samples);
     *s = (search){0};
-}
-
-static uint32_t most_launches(const search *s)
-{
-    return s->history.options.launches ? s->history.options.launches : s->strategy->launches;
 }
 
 bool search_ask(const search *s, search_next *next, duet_error *err)
 {
+    uint32_t most = s->options.launches ? s->options.launches : s->strategy->launches;
     *next = (search_next){.done = true};
-    uint32_t most = most_launches(s);
-    if (most && s->history.n >= most)
-        return true;
-    return s->strategy->ask(&s->history, next, err);
+    return (most && s->n >= most) || s->strategy->ask(s, next, err);
 }
 
 bool search_tell(search *s, const search_sample *sample, duet_error *err)
 {
-    return search_history_add(&s->history, sample, err);
+    if (s->n == s->capacity) {
+        uint32_t capacity = s->capacity ? 2 * s->capacity : 32;
+        if (!budget_space(capacity * sizeof *s->samples, err))
+            return false;
+        search_sample *grown = realloc(s->samples, capacity * sizeof *grown);
+        if (!grown)
+            return error_set(err, DUET_STATUS_NO_MEMORY,
+                             "a search of %" PRIu32 " launches: no memory", s->n + 1);
+        s->samples = grown;
+        s->capacity = capacity;
+    }
+    s->samples[s->n++] = *sample;
+    return true;
 }
 
 uint32_t search_pick(const search *s)
 {
-    return s->history.n ? s->strategy->pick(&s->history) : 0;
+    return s->n ? s->strategy->pick(s) : 0;
 }
 
 void search_bracket(const search *s, uint32_t *low, uint32_t *high)
@@ -52,5 +54,54 @@ void search_bracket(const search *s, uint32_t *low, uint32_t *high)
     *low = 0;
     *high = SEARCH_ONE;
     if (s->strategy->bracket)
-        s->strategy->bracket(&s->history, low, high);
+        s->strategy->bracket(s, low, high);
+}
+
+const search_sample *search_at(const search *s, uint32_t share)
+{
+    for (uint32_t i = 0; i < s->n; ++i) {
+        if (s->samples[i].share == share)
+            return &s->samples[i];
+    }
+    return NULL;
+}
+
+const search_sample *search_find(const search *s, const search_sample *plan)
+{
+    for (uint32_t i = 0; i < s->n; ++i)
+        if (s->samples[i].share == plan->share &&
+            memcmp(s->samples[i].configs, plan->configs, sizeof plan->configs) == 0)
+            return &s->samples[i];
+    return NULL;
+}
+
+uint32_t search_first_share(const search *s)
+{
+    bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
+    return near ? s->options.start : SEARCH_ONE / 16;
+}
+
+uint32_t search_fastest(const search *s)
+{
+    const search_sample *fastest = &s->samples[0];
+    for (uint32_t i = 1; i < s->n; ++i) {
+        if (s->samples[i].total_ns < fastest->total_ns)
+            fastest = &s->samples[i];
+    }
+    return fastest->share;
+}
+
+search_sample search_samples_median(const search_sample *samples, uint32_t n)
+{
+    double ns[3][STATS_MOST];
+    search_sample median = samples[0];
+    for (uint32_t i = 0; i < n; ++i) {
+        ns[0][i] = (double)samples[i].total_ns;
+        ns[1][i] = (double)samples[i].a_ns;
+        ns[2][i] = (double)samples[i].b_ns;
+    }
+    median.total_ns = (uint64_t)stats_median(ns[0], n);
+    median.a_ns = (uint64_t)stats_median(ns[1], n);
+    median.b_ns = (uint64_t)stats_median(ns[2], n);
+    return median;
 }

@@ -40,7 +40,7 @@ static void move_end(ends *e, const search_sample *middle)
         e->down = *middle;
 }
 
-static ends play(const search_history *h)
+static ends play(const search *h)
 {
     ends e = {.up = h->samples[0], .down = h->samples[1]};
     for (uint32_t i = 2; i < h->n && !e.stopped; ++i)
@@ -48,7 +48,7 @@ static ends play(const search_history *h)
     return e;
 }
 
-static bool fig12_ask(const search_history *h, search_next *next, duet_error *err)
+static bool fig12_ask(const search *h, search_next *next, duet_error *err)
 {
     (void)err;
     *next = (search_next){.at.share = h->n == 0 ? SEARCH_ONE : 0};
@@ -60,7 +60,7 @@ static bool fig12_ask(const search_history *h, search_next *next, duet_error *er
     return true;
 }
 
-static void fig12_bracket(const search_history *h, uint32_t *low, uint32_t *high)
+static void fig12_bracket(const search *h, uint32_t *low, uint32_t *high)
 {
     if (h->n < 2)
         return;
@@ -75,7 +75,7 @@ static const strategy strategy_fig12 = {
     .about = "the paper's successive approximation, as printed",
     .launches = 3 + 10,
     .ask = fig12_ask,
-    .pick = search_history_fastest,
+    .pick = search_fastest,
     .bracket = fig12_bracket,
 };
 
@@ -86,12 +86,12 @@ static const strategy strategy_fig12 = {
 //
 // Rounds are interleaved, so that a slow minute falls on all shares alike.
 
-static uint32_t share_of(const search_history *h, uint32_t point)
+static uint32_t share_of(const search *h, uint32_t point)
 {
     return (uint32_t)((uint64_t)SEARCH_ONE * point / h->options.points);
 }
 
-static bool grid_ask(const search_history *h, search_next *next, duet_error *err)
+static bool grid_ask(const search *h, search_next *next, duet_error *err)
 {
     (void)err;
     uint32_t points = h->options.points + 1;
@@ -100,7 +100,7 @@ static bool grid_ask(const search_history *h, search_next *next, duet_error *err
     return true;
 }
 
-static double median_at(const search_history *h, uint32_t share)
+static double median_at(const search *h, uint32_t share)
 {
     double totals[STATS_MOST];
     uint32_t n = 0;
@@ -111,7 +111,7 @@ static double median_at(const search_history *h, uint32_t share)
     return n ? stats_median(totals, n) : 0;
 }
 
-static uint32_t grid_pick(const search_history *h)
+static uint32_t grid_pick(const search *h)
 {
     uint32_t best = 0;
     double least = 0;
@@ -165,7 +165,7 @@ static uint32_t limit_move(uint32_t wanted, uint32_t last, uint32_t quantum)
     return wanted < low ? low : wanted > high ? high : wanted;
 }
 
-static uint32_t next_share(const search_history *h)
+static uint32_t next_share(const search *h)
 {
     double a = 0, b = 0;
     for (uint32_t i = 1; i < h->n; ++i) {
@@ -173,19 +173,19 @@ static uint32_t next_share(const search_history *h)
         follow(&b, SEARCH_ONE - h->samples[i].share, h->samples[i].b_ns);
     }
     if (!(a > 0 && b > 0))
-        return search_history_first_share(h);
+        return search_first_share(h);
     uint32_t wanted = (uint32_t)(SEARCH_ONE * (a / (a + b)) + 0.5);
     return limit_move(wanted, h->samples[h->n - 1].share, h->options.quantum);
 }
 
-static bool chunks_ask(const search_history *h, search_next *next, duet_error *err)
+static bool chunks_ask(const search *h, search_next *next, duet_error *err)
 {
     (void)err;
     *next = (search_next){.at.share = h->n == 0 ? 0 : next_share(h)};
     return true;
 }
 
-static uint32_t chunks_pick(const search_history *h)
+static uint32_t chunks_pick(const search *h)
 {
     enum { LAST = 5 };
     double totals[LAST];
@@ -242,6 +242,18 @@ bool strategy_check(const char *name, duet_error *err)
               text_chars(&known));
     text_free(&known);
     return false;
+}
+
+bool search_begin(search *s, const char *name, const search_options *options, duet_error *err)
+{
+    *s = (search){.strategy = strategy_find(name),
+                  .options = options ? *options : search_default_options()};
+    if (!strategy_check(name, err))
+        return false;
+    s->options.quantum = s->options.quantum ? s->options.quantum : 1;
+    return s->strategy->choice == STRATEGY_SHARE ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "strategy '%s' chooses kernels too; expected one for the share alone", name);
 }
 
 static const strategy *share_strategy_at(uint32_t i)

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: MIT
 // How the next share is chosen, or the next share and kernels together: the table of strategies.
 //
-// Each function sees the history and keeps nothing: what it decides follows from the samples alone,
+// Each function sees the search and keeps nothing: what it decides follows from the samples alone,
 // replayed from the first. Chance follows from the seed and the number of what is asked.
 #ifndef TUNER_STRATEGY_H
 #define TUNER_STRATEGY_H
 
 #include "gen/script.h"
-#include "tuner/search_history.h"
-
-// Says which launch a strategy wants next, or none.
-typedef struct search_next {
-    bool done;
-    search_sample at;
-} search_next;
+#include "tuner/search.h"
 
 // The choice that a strategy makes.
 typedef enum strategy_choice {
@@ -28,9 +22,9 @@ typedef struct strategy {
     strategy_choice choice;
     bool evened;       // its share is evened out by what both devices take in the verdict
     uint32_t launches; // at most, if the options name no number; 0: no end of its own
-    bool (*ask)(const search_history *h, search_next *next, duet_error *err);
-    uint32_t (*pick)(const search_history *h);                               // NULL: no share alone
-    void (*bracket)(const search_history *h, uint32_t *low, uint32_t *high); // NULL: all
+    bool (*ask)(const search *h, search_next *next, duet_error *err);
+    uint32_t (*pick)(const search *h);                               // NULL: no share alone
+    void (*bracket)(const search *h, uint32_t *low, uint32_t *high); // NULL: all
 } strategy;
 
 // Ends with NULL; the first is the default, and those that choose a share alone come first.
@@ -43,6 +37,10 @@ bool strategy_check(const char *name, duet_error *err);
 
 // The strategy of a tuning whose script is own, or NULL.
 const strategy *strategy_of(const char *name, script *own);
+
+// Begins a search for the share. BAD_ARGUMENT for an unknown strategy: the line lists those there
+// are. options NULL: the default ones.
+bool search_begin(search *s, const char *strategy, const search_options *options, duet_error *err);
 
 extern const strategy strategy_balance, strategy_random, strategy_annealing, strategy_brute;
 extern const strategy strategy_lua, strategy_lua_joint;
@@ -70,7 +68,7 @@ extern const strategy strategy_lua, strategy_lua_joint;
 // grid), seed and most; a row of this history also configs (one for each kernel, from 1) and ok. A
 // share between those of the grid is taken too.
 //
-// NULL with BAD_INPUT and name:line. Goes into search_history.script; closed by
+// NULL with BAD_INPUT and name:line. Goes into search.script; closed by
 // script_close.
 script *strategy_lua_open(const char *name, const char *chars, duet_error *err);
 

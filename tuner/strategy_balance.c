@@ -55,12 +55,12 @@ static double part_of(uint32_t share, int device)
     return (device == 0 ? share : SEARCH_ONE - share) / (double)SEARCH_ONE;
 }
 
-static double unit_ns(const search_history *h)
+static double unit_ns(const search *h)
 {
     return fmax((double)h->samples[0].total_ns, 1);
 }
 
-static double time_of(const search_history *h, uint32_t i, int device)
+static double time_of(const search *h, uint32_t i, int device)
 {
     const search_sample *at = &h->samples[i];
     return (double)(device == 0 ? at->a_ns : at->b_ns) / unit_ns(h);
@@ -96,7 +96,7 @@ static double nearness(const search_sample *at)
 // Weighted least squares with relative errors. The assumption that no work
 // takes no time, give or take an overhead, counts as one sample: it is what
 // makes a line of a single probe.
-static line fit_weighted(const search_history *h, uint32_t n, int device, const double *weights)
+static line fit_weighted(const search *h, uint32_t n, int device, const double *weights)
 {
     double w = 1 / (OVERHEAD * OVERHEAD), wx = 0, wxx = 0, wy = 0, wxy = 0;
     for (uint32_t i = 0; i < n; ++i) {
@@ -118,7 +118,7 @@ static line fit_weighted(const search_history *h, uint32_t n, int device, const 
 
 // Huber's weights, iterated: a disturbed launch pulls no harder than one that
 // is 1.5 deviations off.
-static line fit_line(const search_history *h, uint32_t n, int device)
+static line fit_line(const search *h, uint32_t n, int device)
 {
     double weights[MOST_REPEATS];
     line l = {0};
@@ -137,7 +137,7 @@ static line fit_line(const search_history *h, uint32_t n, int device)
 
 // From the residuals, with the assumed noise as one of them; a spike counts
 // as 20 %, so that one does not hide everything else.
-static double find_noise(const search_history *h, uint32_t n, const line lines[2])
+static double find_noise(const search *h, uint32_t n, const line lines[2])
 {
     double sum = NOISE * NOISE, count = 1;
     for (uint32_t i = 0; i < n; ++i) {
@@ -157,7 +157,7 @@ static double find_noise(const search_history *h, uint32_t n, const line lines[2
 // ---------------------------------------------------------------- bracket
 
 // The sign of A's time minus B's at a share, by all its samples; 0: not sure.
-static int sign_at(const search_history *h, uint32_t n, uint32_t share, double noise)
+static int sign_at(const search *h, uint32_t n, uint32_t share, double noise)
 {
     double differences[MOST_REPEATS];
     uint32_t count = 0;
@@ -169,7 +169,7 @@ static int sign_at(const search_history *h, uint32_t n, uint32_t share, double n
     return count ? stats_sign(differences, count, noise * sqrt(2), SURE) : 0;
 }
 
-static void find_bracket(const search_history *h, uint32_t n, model *m)
+static void find_bracket(const search *h, uint32_t n, model *m)
 {
     m->low = 0;
     m->high = SEARCH_ONE;
@@ -184,7 +184,7 @@ static void find_bracket(const search_history *h, uint32_t n, model *m)
 }
 
 // A multiple of the quantum that leaves both devices some work.
-static uint32_t to_share(const search_history *h, double part)
+static uint32_t to_share(const search *h, double part)
 {
     double quanta = floor(part * SEARCH_ONE / h->options.quantum + 0.5);
     uint32_t most = (SEARCH_ONE - 1) / h->options.quantum;
@@ -192,13 +192,13 @@ static uint32_t to_share(const search_history *h, double part)
 }
 
 // Returns the part at which A is expected to take no longer than the dearest launch allowed.
-static double affordable(const search_history *h, const model *m, double part)
+static double affordable(const search *h, const model *m, double part)
 {
     const line *a = &m->lines[0];
     return fmin(part, fmax(0, (h->options.probe_cost - a->at_zero) / a->slope));
 }
 
-static uint32_t find_crossing(const search_history *h, const model *m)
+static uint32_t find_crossing(const search *h, const model *m)
 {
     const line *a = &m->lines[0], *b = &m->lines[1];
     double part = (b->at_zero + b->slope - a->at_zero) / (a->slope + b->slope);
@@ -208,7 +208,7 @@ static uint32_t find_crossing(const search_history *h, const model *m)
     return to_share(h, affordable(h, m, part));
 }
 
-static model look(const search_history *h, uint32_t n)
+static model look(const search *h, uint32_t n)
 {
     model m;
     n = n < MOST_REPEATS ? n : MOST_REPEATS;
@@ -232,7 +232,7 @@ typedef struct field {
 
 // A share that both had a part in, that the lines call as good as the
 // crossing, and that took what they say.
-static bool came_true(const search_history *h, uint32_t i, const model *m)
+static bool came_true(const search *h, uint32_t i, const model *m)
 {
     const search_sample *at = &h->samples[i];
     if (!both_took_part(at))
@@ -259,7 +259,7 @@ static void enter_alone(const model *m, field *f)
         enter(f, SEARCH_ONE);
 }
 
-static void enter_neighbours(const search_history *h, const model *m, uint32_t best, field *f)
+static void enter_neighbours(const search *h, const model *m, uint32_t best, field *f)
 {
     double part = part_of(best, 0), step = NEIGHBOUR * expected_total(m, best);
     enter(f, best);
@@ -268,7 +268,7 @@ static void enter_neighbours(const search_history *h, const model *m, uint32_t b
     enter(f, to_share(h, part + step / m->lines[0].slope));
 }
 
-static void enter_grid(const search_history *h, const model *m, field *f)
+static void enter_grid(const search *h, const model *m, field *f)
 {
     f->surveyed = true;
     enter_alone(m, f);
@@ -280,7 +280,7 @@ static void enter_grid(const search_history *h, const model *m, field *f)
 }
 
 // False while shares are still being refined; next is then the one to try.
-static bool find_field(const search_history *h, field *f, uint32_t *next)
+static bool find_field(const search *h, field *f, uint32_t *next)
 {
     model m = {0};
     *f = (field){0};
@@ -306,7 +306,7 @@ static bool find_field(const search_history *h, field *f, uint32_t *next)
     return false;
 }
 
-static uint32_t gather(const search_history *h, uint32_t from, uint32_t share, double *totals)
+static uint32_t gather(const search *h, uint32_t from, uint32_t share, double *totals)
 {
     uint32_t n = 0;
     for (uint32_t i = from; i < h->n && n < MOST_REPEATS; ++i) {
@@ -324,8 +324,7 @@ typedef struct estimate {
 // The median, drawn to the lines as if they were a few samples more: the least
 // of several noisy medians is too good to be true. A device alone is another
 // path, and after a survey the lines are known to be wrong.
-static estimate estimate_total(const search_history *h, const model *m, uint32_t share,
-                               bool surveyed)
+static estimate estimate_total(const search *h, const model *m, uint32_t share, bool surveyed)
 {
     double totals[MOST_REPEATS];
     estimate e = {.n = gather(h, 0, share, totals)};
@@ -338,11 +337,11 @@ static estimate estimate_total(const search_history *h, const model *m, uint32_t
 }
 
 // All repeats agree: one time of each rival is all there is to know.
-static bool is_quiet(const search_history *h)
+static bool is_quiet(const search *h)
 {
     uint32_t repeats = 0;
     for (uint32_t i = 1; i < h->n; ++i) {
-        const search_sample *first = search_history_at(h, h->samples[i].share);
+        const search_sample *first = search_at(h, h->samples[i].share);
         double off = (double)h->samples[i].total_ns / (double)first->total_ns - 1;
         if (fabs(off) > EQUAL)
             return false;
@@ -353,7 +352,7 @@ static bool is_quiet(const search_history *h)
 
 // Finds the rival to measure next: among the rivals that may still win, the one measured least in
 // the race. None if only the leader is left.
-static search_next race(const search_history *h, const field *f)
+static search_next race(const search *h, const field *f)
 {
     model m = look(h, h->n);
     bool quiet = is_quiet(h);
@@ -385,10 +384,10 @@ static search_next race(const search_history *h, const field *f)
 
 // ---------------------------------------------------------------- strategy
 
-static bool ask(const search_history *h, search_next *next, duet_error *err)
+static bool ask(const search *h, search_next *next, duet_error *err)
 {
     (void)err;
-    *next = (search_next){.at.share = h->n == 0 ? 0 : search_history_first_share(h)};
+    *next = (search_next){.at.share = h->n == 0 ? 0 : search_first_share(h)};
     field f;
     if (h->n < 2 || !find_field(h, &f, &next->at.share))
         return true;
@@ -397,7 +396,7 @@ static bool ask(const search_history *h, search_next *next, duet_error *err)
     return true;
 }
 
-static uint32_t pick(const search_history *h)
+static uint32_t pick(const search *h)
 {
     field f;
     uint32_t next;
@@ -417,7 +416,7 @@ static uint32_t pick(const search_history *h)
     return best;
 }
 
-static void bracket(const search_history *h, uint32_t *low, uint32_t *high)
+static void bracket(const search *h, uint32_t *low, uint32_t *high)
 {
     if (h->n < 2)
         return;

@@ -7,7 +7,7 @@
 
 // ---------------------------------------------------------------- brute
 
-static bool ask_brute(const search_history *h, search_next *next, duet_error *err)
+static bool ask_brute(const search *h, search_next *next, duet_error *err)
 {
     (void)err;
     *next = (search_next){.done = h->n >= joint_space_count(h->space)};
@@ -28,14 +28,14 @@ const strategy strategy_brute = {
 
 enum { TRIES = 1000 }; // until nearly all plans have been measured
 
-static bool ask_random(const search_history *h, search_next *next, duet_error *err)
+static bool ask_random(const search *h, search_next *next, duet_error *err)
 {
     (void)err;
     rng r = rng_stream(h->seed, h->n);
     next->done = true;
     for (int i = 0; next->done && i < TRIES; ++i) {
         next->at = joint_space_random(h->space, &r);
-        next->done = search_history_find(h, &next->at);
+        next->done = search_find(h, &next->at);
     }
     return true;
 }
@@ -70,17 +70,17 @@ static bool is_accepted(double now, double then, double part, rng *r)
     return isfinite(then) && chance < exp(-(then / now - 1) / warmth);
 }
 
-static bool ask_annealing(const search_history *h, search_next *next, duet_error *err)
+static bool ask_annealing(const search *h, search_next *next, duet_error *err)
 {
     rng r = rng_stream(h->seed, 0);
     search_sample at = joint_space_base(h->space, h->space->points ? SEARCH_ONE / 4 : 0);
-    const search_sample *now = search_history_find(h, &at), *seen;
+    const search_sample *now = search_find(h, &at), *seen;
     *next = (search_next){.at = at};
     if (!now)
         return true;
     for (uint32_t i = 0, reached = 0; i < TRIES + 16 * h->n; ++i) {
         next->at = joint_space_neighbour(h->space, now, &r);
-        seen = search_history_find(h, &next->at);
+        seen = search_find(h, &next->at);
         if (!seen)
             return true;
         uint32_t place = (uint32_t)(seen - h->samples);

@@ -56,19 +56,17 @@ static void set_number(lua_State *L, const char *name, double value)
 
 static void set_configs(lua_State *L, const joint_space *s, const search_sample *at)
 {
-    lua_Integer n = 0;
-    lua_newtable(L);
-    for (int device = 0; device < 2; ++device)
-        for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
-            lua_pushinteger(L, (lua_Integer)at->configs[device][i] + 1);
-            lua_rawseti(L, -2, ++n);
-        }
+    lua_createtable(L, (int)s->kernels.n, 0);
+    for (uint32_t i = 0; i < s->kernels.n; ++i) {
+        lua_pushinteger(L, (lua_Integer)at->configs[i] + 1);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
     lua_setfield(L, -2, "configs");
     lua_pushboolean(L, !at->failed);
     lua_setfield(L, -2, "ok");
 }
 
-static void push_history(lua_State *L, const search_history *h, bool joint)
+static void push_history(lua_State *L, const search *h, bool joint)
 {
     lua_createtable(L, (int)h->n, 0);
     for (uint32_t i = 0; i < h->n; ++i) {
@@ -102,25 +100,23 @@ static void push_configs(lua_State *L, const kernel_space *k)
 
 static void push_kernels(lua_State *L, const joint_space *s)
 {
-    lua_Integer n = 0;
-    lua_newtable(L);
-    for (int device = 0; device < 2; ++device)
-        for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
-            const kernel_space *k = &s->kernels[device][i];
-            lua_newtable(L);
-            lua_pushstring(L, device == 0 ? "A" : "B");
-            lua_setfield(L, -2, "device");
-            lua_pushstring(L, k->kernel);
-            lua_setfield(L, -2, "name");
-            lua_pushinteger(L, (lua_Integer)k->now + 1);
-            lua_setfield(L, -2, "now");
-            push_configs(L, k);
-            lua_setfield(L, -2, "configs");
-            lua_rawseti(L, -2, ++n);
-        }
+    lua_createtable(L, (int)s->kernels.n, 0);
+    for (uint32_t i = 0; i < s->kernels.n; ++i) {
+        const kernel_space *k = &s->kernels.of[i];
+        lua_newtable(L);
+        lua_pushstring(L, i < s->n_a ? "A" : "B");
+        lua_setfield(L, -2, "device");
+        lua_pushstring(L, k->kernel);
+        lua_setfield(L, -2, "name");
+        lua_pushinteger(L, (lua_Integer)k->now + 1);
+        lua_setfield(L, -2, "now");
+        push_configs(L, k);
+        lua_setfield(L, -2, "configs");
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
 }
 
-static void push_space(lua_State *L, const search_history *h)
+static void push_space(lua_State *L, const search *h)
 {
     lua_newtable(L);
     push_kernels(L, h->space);
@@ -152,7 +148,6 @@ static uint32_t read_share(lua_State *L, const char *complaint)
 static search_sample read_point(lua_State *L, const joint_space *s)
 {
     search_sample p = joint_space_base(s, 0);
-    lua_Integer n = 0;
     if (!lua_istable(L, -1))
         luaL_error(L, "the strategy gave a %s; expected { share =, configs = } or nil",
                    luaL_typename(L, -1));
@@ -160,16 +155,15 @@ static search_sample read_point(lua_State *L, const joint_space *s)
     uint32_t share = read_share(L, "the strategy's share is %s; expected 0 to 1");
     p.share = s->points ? share : 0;
     lua_getfield(L, -2, "configs");
-    for (int device = 0; device < 2 && lua_istable(L, -1); ++device)
-        for (uint32_t i = 0; i < s->n_kernels[device]; ++i) {
-            lua_geti(L, -1, ++n);
-            lua_Integer config = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : 0;
-            if (config < 1 || config > (lua_Integer)s->kernels[device][i].n_configs)
-                luaL_error(L, "config %d is %s; expected 1 to %d", (int)n,
-                           script_tostring(L, -1, NULL), (int)s->kernels[device][i].n_configs);
-            p.configs[device][i] = (uint16_t)(config - 1);
-            lua_pop(L, 1);
-        }
+    for (uint32_t i = 0; lua_istable(L, -1) && i < s->kernels.n; ++i) {
+        lua_geti(L, -1, (lua_Integer)i + 1);
+        lua_Integer config = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : 0;
+        if (config < 1 || config > (lua_Integer)s->kernels.of[i].n_configs)
+            luaL_error(L, "config %d is %s; expected 1 to %d", (int)i + 1,
+                       script_tostring(L, -1, NULL), (int)s->kernels.of[i].n_configs);
+        p.configs[i] = (uint16_t)(config - 1);
+        lua_pop(L, 1);
+    }
     return p;
 }
 
@@ -191,7 +185,7 @@ static int call_for_share(lua_State *L)
 // function, history, next ->
 static int call_for_plan(lua_State *L)
 {
-    const search_history *h = lua_touserdata(L, 2);
+    const search *h = lua_touserdata(L, 2);
     search_next *next = lua_touserdata(L, 3);
     lua_pushvalue(L, 1);
     push_space(L, h);
@@ -204,7 +198,7 @@ static int call_for_plan(lua_State *L)
     return 0;
 }
 
-static bool ask_script(int (*call)(lua_State *L), const search_history *h, search_next *next,
+static bool ask_script(int (*call)(lua_State *L), const search *h, search_next *next,
                        duet_error *err)
 {
     if (!h->script)
@@ -218,12 +212,12 @@ static bool ask_script(int (*call)(lua_State *L), const search_history *h, searc
     return script_call(h->script, 3, 0, err);
 }
 
-static bool ask_for_share(const search_history *h, search_next *next, duet_error *err)
+static bool ask_for_share(const search *h, search_next *next, duet_error *err)
 {
     return ask_script(call_for_share, h, next, err);
 }
 
-static bool ask_for_plan(const search_history *h, search_next *next, duet_error *err)
+static bool ask_for_plan(const search *h, search_next *next, duet_error *err)
 {
     *next = (search_next){.done = true};
     return ask_script(call_for_plan, h, next, err);
@@ -234,7 +228,7 @@ const strategy strategy_lua = {
     .about = "a function of a script: history in, next share or nil out",
     .launches = 64,
     .ask = ask_for_share,
-    .pick = search_history_fastest,
+    .pick = search_fastest,
 };
 
 const strategy strategy_lua_joint = {

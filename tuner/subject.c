@@ -99,6 +99,8 @@ duet_level subject_level(const subject *s)
 
 measure_machine subject_machine(subject *s, uint64_t hash)
 {
-    return (measure_machine){
-        .context = s, .launch = s->kind->launch, .hash = hash, .train = s->kind->train};
+    measure_machine machine = s->kind->machine;
+    machine.context = s;
+    machine.hash = hash;
+    return machine;
 }

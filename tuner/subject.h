@@ -7,7 +7,6 @@
 #ifndef TUNER_SUBJECT_H
 #define TUNER_SUBJECT_H
 
-#include "runtime/broadphase/kernel_space.h"
 #include "runtime/selection/profile_subject.h"
 #include "tuner/measure.h"
 
@@ -61,15 +60,8 @@ typedef struct subject_kind {
     duet_level (*level)(const subject *s);
     // NULL: each launch is checked by itself.
     bool (*find_truth)(subject *s, subject_truth *truth, duet_error *err);
-    // As measure_machine has it; the context is the subject.
-    bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
-                   duet_error *err);
-    // As tune_kernels has it; NULL: no kernel is searched.
-    bool (*read_kernels)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                         uint32_t *n, duet_error *err);
-    bool lives_on_one; // its state is on one device: A alone may be the better one for it
-    // As measure_machine has it; NULL: by launches.
-    bool (*train)(void *context, const duet_plan *plan, uint32_t n, duet_error *err);
+    measure_machine machine; // its functions; the context is the subject
+    bool lives_on_one;       // its state is on one device: A alone may be the better one for it
 } subject_kind;
 
 extern const subject_kind subject_still, subject_query, subject_motion, subject_task;

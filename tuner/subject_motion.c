@@ -7,6 +7,7 @@
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 #include "tuner/core_spread.h"
+#include "tuner/trial_log.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -98,7 +99,7 @@ static void add_stages(sums *s, const duet_stage *stages, uint32_t n)
 
 static void add_step(sums *s, const duet_motion *m, const duet_motion_result *step)
 {
-    const duet_result *search = &m->graph.searched;
+    const duet_result *found = &m->graph.searched;
     s->total_ms += step->total_ms;
     for (uint32_t i = 0; step->timed && i < step->n_stages; ++i) {
         duet_stage stage = step->stages[i];
@@ -108,9 +109,9 @@ static void add_step(sums *s, const duet_motion *m, const duet_motion_result *st
     if (!step->rebuilt)
         return;
     for (int side = 0; side < 2; ++side)
-        s->search_ms[side] += search->device_ms[side];
-    if (search->timed)
-        add_stages(s, search->stages, search->n_stages);
+        s->search_ms[side] += found->device_ms[side];
+    if (found->timed)
+        add_stages(s, found->stages, found->n_stages);
 }
 
 static bool run(run_state *q, const duet_plan *plan, bool staged, sums *s, duet_error *err)
@@ -171,44 +172,22 @@ static bool find_truth(subject *s, subject_truth *truth, duet_error *err)
 static bool has_run(const run_state *q, const duet_plan *plan)
 {
     const duet_plan *last = q->motion ? &q->motion->def.plan : NULL;
-    return last && q->motion->step > 0 && last->share == plan->share && last->mode == plan->mode &&
-           strcmp(last->variant_a, plan->variant_a) == 0 &&
-           strcmp(last->variant_b, plan->variant_b) == 0;
+    return last && q->motion->step > 0 && trial_log_same_plan(last, plan);
 }
 
-// Appends the kernels of the search to the motion's own.
-static bool join(kernel_space **spaces, uint32_t *n, duet_motion *m, int side, duet_error *err)
-{
-    kernel_space *more = NULL;
-    uint32_t n_more = 0;
-    bool ok = kernel_spaces_read(m->graph.world, side, &more, &n_more, err);
-    kernel_space *all = ok ? realloc(*spaces, (*n + n_more + 1) * sizeof *all) : NULL;
-    if (all) {
-        memcpy(all + *n, more, n_more * sizeof *all);
-        *spaces = all;
-        *n += n_more;
-    } else if (ok) {
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
-    }
-    free(more);
-    return ok;
-}
-
-// Reads spaces as kernel_spaces_read does: B's kernels of the motion, and both devices' kernels
+// B's kernels of the motion, and both devices' kernels
 // that search pairs. Runs the motion unless its last run was by that plan.
-static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
-                         uint32_t *n, duet_error *err)
+static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_spaces *to,
+                         duet_error *err)
 {
     run_state *q = ((subject *)context)->state;
     sums s = {0};
-    *spaces = NULL;
-    *n = 0;
     if (!has_run(q, plan) && !run(q, plan, false, &s, err))
         return false;
     duet_motion *m = q->motion;
     bool searches = m->graph.world && world_is_prepared(m->graph.world, side);
-    return (side == 0 || motion_kernel_spaces(m, spaces, n, err)) &&
-           (!searches || join(spaces, n, m, side, err));
+    return (side == 0 || motion_kernel_spaces(m, to, err)) &&
+           (!searches || kernel_spaces_read(m->graph.world, side, to, err));
 }
 
 const subject_kind subject_motion = {
@@ -220,7 +199,6 @@ const subject_kind subject_motion = {
     .close = close,
     .describe = describe,
     .find_truth = find_truth,
-    .launch = launch_motion,
-    .read_kernels = read_kernels,
+    .machine = {.launch = launch_motion, .read_kernels = read_kernels},
     .lives_on_one = true,
 };

@@ -148,5 +148,5 @@ const subject_kind subject_query = {
     .close = close,
     .describe = describe,
     .find_truth = find_truth,
-    .launch = launch_query,
+    .machine = {.launch = launch_query},
 };

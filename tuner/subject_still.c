@@ -203,11 +203,11 @@ static bool step(void *context, const duet_plan *plan, bool staged, measure_laun
     return true;
 }
 
-static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
-                         uint32_t *n, duet_error *err)
+static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_spaces *to,
+                         duet_error *err)
 {
     duet_world *world = ((subject *)context)->state;
-    return duet_world_set_plan(world, plan, err) && kernel_spaces_read(world, side, spaces, n, err);
+    return duet_world_set_plan(world, plan, err) && kernel_spaces_read(world, side, to, err);
 }
 
 const subject_kind subject_still = {
@@ -221,6 +221,5 @@ const subject_kind subject_still = {
     .set_level = set_level,
     .level = level_of,
     .find_truth = find_truth,
-    .launch = step,
-    .read_kernels = read_kernels,
+    .machine = {.launch = step, .read_kernels = read_kernels},
 };

@@ -49,10 +49,10 @@ static bool train(void *context, const duet_plan *plan, uint32_t n, duet_error *
     return task_launch_train(((subject *)context)->state, plan, n, err);
 }
 
-static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_space **spaces,
-                         uint32_t *n, duet_error *err)
+static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_spaces *to,
+                         duet_error *err)
 {
-    return task_kernel_space(((subject *)context)->state, plan, side, spaces, n, err);
+    return task_kernel_space(((subject *)context)->state, plan, side, to, err);
 }
 
 const subject_kind subject_task = {
@@ -64,7 +64,5 @@ const subject_kind subject_task = {
     .open = open,
     .close = close,
     .describe = describe,
-    .launch = launch,
-    .train = train,
-    .read_kernels = read_kernels,
+    .machine = {.launch = launch, .train = train, .read_kernels = read_kernels},
 };

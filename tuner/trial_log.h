@@ -9,7 +9,7 @@
 
 #include "base/text.h"
 #include "tuner/duet_tune.h"
-#include "tuner/search_history.h"
+#include "tuner/search.h"
 
 typedef struct trial_log_entry {
     duet_plan plan;

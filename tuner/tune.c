@@ -2,12 +2,9 @@
 #include "tuner/tune.h"
 
 #include "base/error.h"
-#include "tuner/joint_search.h"
-#include "tuner/kernel_tuning.h"
 #include "tuner/race.h"
+#include "tuner/stages.h"
 #include "tuner/stats.h"
-#include "tuner/variants.h"
-#include "tuner/verdict.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -66,17 +63,16 @@ static void separate_energy(const tuning *t, duet_tune_outcome *o)
 // ---------------------------------------------------------------- a tuning
 
 // Kernels, then mode and share; or all of it by one strategy.
-static bool find_plan(tuning *t, mode_found *founds, uint32_t *n, duet_tune_outcome *told,
-                      duet_error *err)
+static void find_plan(tuning *t)
 {
-    bool ok = true;
-    if (joint_search_is_asked(t->problem))
-        ok = joint_search_run(t, founds, n, told, err);
-    else
-        ok = kernel_tuning_run(t, told->kernels, err) && mode_search_run(t, founds, n, err);
-    for (uint32_t i = 0; t->problem->meter && i < *n; ++i)
-        founds[i].a_alone_ns = 0; // a slow device may be the more efficient one, and is raced
-    return ok;
+    if (joint_search_is_asked(t->problem)) {
+        joint_search_run(t);
+    } else {
+        kernel_tuning_run(t);
+        mode_search_run(t);
+    }
+    for (uint32_t i = 0; t->problem->meter && i < t->n_founds; ++i)
+        t->founds[i].a_alone_ns = 0; // a slow device may be the more efficient one, and is raced
 }
 
 bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *outcome,
@@ -84,22 +80,23 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
 {
     tuning t = {.problem = problem,
                 .state = state,
+                .outcome = outcome,
                 .plan = problem->plan,
                 .repeats = problem->def->repeats};
-    mode_found founds[MOST_MODES] = {0};
-    uint32_t n = 0;
     state->played = 0;
     *outcome = nothing_known(&t);
-    duet_error why = {0};
-    bool ok = variants_choose(&t, &why) && find_plan(&t, founds, &n, outcome, &why) &&
-              verdict_reach(&t, founds, n, outcome, &why) && verdict_race_whole(&t, outcome, &why);
+    variants_choose(&t);
+    find_plan(&t);
+    verdict_reach(&t);
+    verdict_race_whole(&t);
+    bool ok = t.why.status == DUET_STATUS_OK;
     if (ok && problem->meter)
         separate_energy(&t, outcome);
     if (!ok && tuning_is_out_of_patience(&t)) {
         give_up(&t, outcome);
         ok = true;
     } else if (!ok) {
-        error_copy(err, &why);
+        error_copy(err, &t.why);
     }
     outcome->watched = t.watched;
     outcome->disturbed = t.disturbed;

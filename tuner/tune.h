@@ -6,7 +6,6 @@
 #ifndef TUNER_TUNE_H
 #define TUNER_TUNE_H
 
-#include "runtime/broadphase/kernel_space.h"
 #include "tuner/measure.h"
 #include "tuner/trial_log.h"
 
@@ -24,13 +23,6 @@ typedef struct tune_whole {
     bool (*open)(void *context, const char *kernels, measure_machine *machine, duet_plan *plan);
 } tune_whole;
 
-// Reads the config spaces of the kernels that a device runs by a plan; the caller frees *spaces.
-typedef struct tune_kernels {
-    void *context;
-    bool (*read)(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                 uint32_t *n, duet_error *err);
-} tune_kernels;
-
 // How many cores other programs have. look NULL: none.
 typedef struct tune_others {
     void *context;
@@ -44,7 +36,6 @@ typedef struct tune_problem {
     energy_meter *meter; // energy is made small, which this reads; NULL: time is
     tune_recorder recorder;
     tune_whole whole;               // open NULL: there is none
-    tune_kernels kernels;           // asked only if def->search is given
     bool one_device;                // both are the same: there is nothing to share
     char searched[2][DUET_VARIANT]; // by device, what a search led to before; empty: none did
     duet_plan plan;                 // its variants are the defaults that must work

@@ -18,33 +18,34 @@ duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode)
     return plan;
 }
 
-bool tuning_within_budget(const tuning *t)
+bool tuning_goes_on(const tuning *t)
 {
     const duet_tune_def *def = t->problem->def;
     double spent_s = (double)(t->spent_ns + t->waited_ns) * 1e-9;
     bool in_time = def->budget_seconds <= 0 || spent_s < t->stage_end * def->budget_seconds;
-    return in_time && (def->budget_trials == 0 ||
-                       t->state->played + t->unlogged < trial_budget_end(t->problem, t->stage_end));
+    bool in_trials = def->budget_trials == 0 ||
+                     t->state->played + t->unlogged < trial_budget_end(t->problem, t->stage_end);
+    return t->why.status == DUET_STATUS_OK && in_time && in_trials;
 }
 
 // Checks after the first trial, whose kernels were built in it, whether the time can suffice: each
 // trial takes at least half as long as one device alone.
-static bool check_budget(const tuning *t, const trial *first, duet_error *err)
+static bool check_budget(tuning *t, const trial *first)
 {
     const duet_tune_def *def = t->problem->def;
     double launch_s = (double)first->sample.total_ns * 1e-9;
     double least_s = (double)t->spent_ns * 1e-9 +
                      0.5 * launch_s * (1 + VERDICT_REPEATS) * trial_budget_least(def);
     return def->budget_seconds <= 0 || least_s <= def->budget_seconds ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+           error_set(&t->why, DUET_STATUS_BAD_ARGUMENT,
                      "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
                      "least %.3g s",
                      def->budget_seconds, launch_s, ceil(10 * least_s) / 10);
 }
 
-bool tuning_stop(const tuning *t, duet_error *err)
+bool tuning_stop(tuning *t)
 {
-    return error_set(err, DUET_STATUS_INTERRUPTED,
+    return error_set(&t->why, DUET_STATUS_INTERRUPTED,
                      "stopped after %u trial%s; the same command goes on from there",
                      t->state->played, t->state->played == 1 ? "" : "s");
 }
@@ -56,7 +57,7 @@ static uint32_t most_trials(const tuning *t)
     return known ? trial_budget_most(t->problem, t->search_trials) : t->problem->def->budget_trials;
 }
 
-static bool tell_watcher(const tuning *t, const trial *entry, bool remembered, duet_error *err)
+static bool tell_watcher(tuning *t, const trial *entry, bool remembered)
 {
     const duet_tune_def *def = t->problem->def;
     duet_tune_progress progress = {
@@ -69,7 +70,7 @@ static bool tell_watcher(const tuning *t, const trial *entry, bool remembered, d
         .seconds = (double)t->spent_ns * 1e-9,
         .remembered = remembered,
     };
-    return !def->watch || def->watch(def->watch_context, &progress) || tuning_stop(t, err);
+    return !def->watch || def->watch(def->watch_context, &progress) || tuning_stop(t);
 }
 
 // ---------------------------------------------------------------- other programs
@@ -105,7 +106,7 @@ bool tuning_is_out_of_patience(const tuning *t)
     return t->waited_ns > 0 && (double)t->waited_ns * 1e-9 >= most;
 }
 
-static bool tell_waiting(const tuning *t, const duet_plan *plan, duet_error *err)
+static bool tell_waiting(tuning *t, const duet_plan *plan)
 {
     const duet_tune_def *def = t->problem->def;
     char waiting[128];
@@ -120,15 +121,15 @@ static bool tell_waiting(const tuning *t, const duet_plan *plan, duet_error *err
     };
     bool goes_on = budget_check_stop(NULL) && !tuning_is_out_of_patience(t) &&
                    (!def->watch || def->watch(def->watch_context, &progress));
-    return goes_on || tuning_stop(t, err);
+    return goes_on || tuning_stop(t);
 }
 
 // Until other programs leave the cores, or for a while.
-static bool wait_for_quiet(tuning *t, const duet_plan *plan, duet_error *err)
+static bool wait_for_quiet(tuning *t, const duet_plan *plan)
 {
     uint64_t waited_ns = 0;
     do {
-        if (!tell_waiting(t, plan, err))
+        if (!tell_waiting(t, plan))
             return false;
         clock_sleep_ns(LOOK_NS);
         waited_ns += LOOK_NS;
@@ -138,18 +139,18 @@ static bool wait_for_quiet(tuning *t, const duet_plan *plan, duet_error *err)
 }
 
 // The system puts threads on other cores after a while.
-static bool wait_for_scheduler(tuning *t, duet_error *err)
+static bool wait_for_scheduler(tuning *t)
 {
     clock_sleep_ns(LOOK_NS);
     t->spent_ns += LOOK_NS;
-    return budget_check_stop(NULL) || tuning_stop(t, err);
+    return budget_check_stop(NULL) || tuning_stop(t);
 }
 
 // Measures until enough launches of the trial were undisturbed. While no other program has a core
 // the machine is as quiet as it can be: after some tries the launches count as they are. A machine
 // whose threads are always in each other's way must not cost every trial so many.
 static bool measure_in_quiet(tuning *t, const measure_machine *machine, const duet_plan *plan,
-                             measure_way way, measurement *m, duet_error *err)
+                             measure_way way, measurement *m)
 {
     uint32_t tries = 0;
     way.quiet = t->problem->def->wait_seconds > 0;
@@ -160,11 +161,11 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
         bool crowded = look_at_others(t).is_crowded;
         *(crowded ? &t->waited_ns : &t->spent_ns) += m->spent_ns;
         way.quiet = crowded || (++tries < QUIET_TRIES && t->quiet_tries++ < MOST_QUIET_TRIES);
-        if (way.quiet && !(crowded ? wait_for_quiet(t, plan, err) : wait_for_scheduler(t, err)))
+        if (way.quiet && !(crowded ? wait_for_quiet(t, plan) : wait_for_scheduler(t)))
             return false;
         *m = measure_plan(machine, plan, way);
     }
-    return m->failure.status != DUET_STATUS_INTERRUPTED || tuning_stop(t, err);
+    return m->failure.status != DUET_STATUS_INTERRUPTED || tuning_stop(t);
 }
 
 // ---------------------------------------------------------------- trials
@@ -200,13 +201,13 @@ static bool has_default_variants(const tune_problem *problem, const duet_plan *p
 }
 
 // The default variants must be right; any other that is wrong is passed over.
-static bool check_measured(tuning *t, const duet_plan *plan, const measurement *m, duet_error *err)
+static bool check_measured(tuning *t, const duet_plan *plan, const measurement *m)
 {
     if (strcmp(m->outcome, "ok") == 0)
         return true;
     error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
     if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->problem, plan))
-        return error_set(err, DUET_STATUS_WRONG_RESULT,
+        return error_set(&t->why, DUET_STATUS_WRONG_RESULT,
                          "share %u of %u, variants '%s' and '%s': %s", plan->share, DUET_SHARE_ONE,
                          plan->variant_a, plan->variant_b, m->failure.text);
     return true;
@@ -229,21 +230,19 @@ static measure_way way_of(const tuning *t, const duet_plan *plan)
                          .meter = t->problem->meter};
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, trial *entry, duet_error *err)
+static bool measure_live(tuning *t, const duet_plan *plan, trial *entry)
 {
-    const tune_problem *problem = t->problem;
-    if (!budget_check(err))
-        return false;
+    const tune_recorder *recorder = &t->problem->recorder;
     measurement m;
-    if (!measure_in_quiet(t, &problem->machine, plan, way_of(t, plan), &m, err))
+    if (!budget_check(&t->why) ||
+        !measure_in_quiet(t, &t->problem->machine, plan, way_of(t, plan), &m))
         return false;
     *entry = trial_of(t, plan, &m);
-    if (!trial_log_add(t->state, entry, err))
+    if (!trial_log_add(t->state, entry, &t->why))
         return false;
     ++t->state->played;
-    const tune_recorder *recorder = &problem->recorder;
-    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, err)) &&
-           check_measured(t, plan, &m, err);
+    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, &t->why)) &&
+           check_measured(t, plan, &m);
 }
 
 static void count_trial(tuning *t, const trial *entry)
@@ -254,30 +253,33 @@ static void count_trial(tuning *t, const trial *entry)
     t->spent_ns += entry->spent_ns;
 }
 
-bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err)
+trial tuning_run_trial(tuning *t, const duet_plan *plan)
 {
+    trial got = {0};
+    if (t->why.status != DUET_STATUS_OK)
+        return got;
     const trial *kept = trial_log_next(t->state, plan);
-    *out = kept ? *kept : (trial){0};
-    if (!kept && !measure_live(t, plan, out, err))
-        return false;
+    if (kept)
+        got = *kept;
+    else if (!measure_live(t, plan, &got))
+        return (trial){0};
     t->first = kept ? t->state->played : t->first;
-    count_trial(t, out);
-    if (!tell_watcher(t, out, kept, err) || (t->state->played == 1 && !check_budget(t, out, err)))
-        return false;
+    count_trial(t, &got);
+    if (tell_watcher(t, &got, kept) && t->state->played == 1)
+        check_budget(t, &got);
     if (t->problem->meter) // what races and searches make small
-        out->sample.total_ns = (uint64_t)(out->terms.joules * 1e9);
-    return true;
+        got.sample.total_ns = (uint64_t)(got.terms.joules * 1e9);
+    return got;
 }
 
-bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
-                         double *ns, duet_error *err)
+double tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan)
 {
     measurement m;
-    if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m, err))
-        return false;
-    trial entry = trial_of(t, plan, &m);
+    if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m))
+        return 0;
+    trial got = trial_of(t, plan, &m);
     ++t->unlogged;
-    count_trial(t, &entry);
-    *ns = entry.usable ? (double)entry.sample.total_ns : 0;
-    return tell_watcher(t, &entry, false, err);
+    count_trial(t, &got);
+    tell_watcher(t, &got, false);
+    return got.usable ? (double)got.sample.total_ns : 0;
 }

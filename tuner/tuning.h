@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // A tuning under way: runs trials within the budget, each from the log or else from the
 // machine, and tells the recorder and the watcher.
+//
+// A tuning goes on until a trial, a search or somebody stops it. From then on it measures nothing:
+// the stages run to their ends without trials, and tune_run tells why.
 #ifndef TUNER_TUNING_H
 #define TUNER_TUNING_H
 
@@ -14,15 +17,30 @@ typedef struct focus {
     uint32_t n;                // stages at most
 } focus;
 
+// Holds the result of the search of one mode.
+typedef struct mode_found {
+    duet_mode mode;
+    bool usable;
+    uint32_t share;
+    double a_alone_ns; // expected; INFINITY if nothing was seen of A
+    double b_alone_ns; // the first measured time of B alone
+} mode_found;
+
+enum { MOST_MODES = 8 };
+
 typedef struct tuning {
     const tune_problem *problem;
     trial_log *state;
+    duet_tune_outcome *outcome; // that the stages fill
+    duet_error why;             // why it has stopped; OK: it goes on
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
     uint32_t first;   // trial that this process measured
     focus focus;
-    duet_plan plan;         // the variants chosen so far
+    duet_plan plan; // the variants chosen so far
+    mode_found founds[MOST_MODES];
+    uint32_t n_founds;      // modes that were searched; 0: there is nothing to share
     bool search_known;      // how many trials the search of kernels takes
     uint32_t search_begun;  // at this trial
     uint32_t search_trials; // about
@@ -40,21 +58,19 @@ typedef struct tuning {
 
 typedef trial_log_entry trial;
 
-// Whether the stage is within its part of the budget.
-bool tuning_within_budget(const tuning *t);
+// Whether the tuning has not stopped and the stage is within its part of the budget.
+bool tuning_goes_on(const tuning *t);
 
-// Adds the trial to the log. False if the budget can reach no verdict, the default variants find
-// wrong pairs, the log cannot be kept, or somebody stops the tuning; a plan that does not run is a
-// trial that is not usable.
-bool tuning_run_trial(tuning *t, const duet_plan *plan, trial *out, duet_error *err);
+// Adds the trial to the log. It stops the tuning if the budget can reach no verdict, the default
+// variants find wrong pairs, the log cannot be kept, or somebody says so. The trial of a plan that
+// does not run, or of a tuning that has stopped, is not usable.
+trial tuning_run_trial(tuning *t, const duet_plan *plan);
 
-// The same on any machine, without the log: a resumed tuning runs it again. *ns is 0 if the plan
-// does not run.
-bool tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan,
-                         double *ns, duet_error *err);
+// The same on any machine, without the log: a resumed tuning runs it again. Returns ns; 0 if the
+// plan does not run.
+double tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan);
 
-// The tuning has waited for other programs as long as it may, and a trial failed with
-// INTERRUPTED because of that.
+// The tuning has waited for other programs as long as it may, and has stopped because of that.
 bool tuning_is_out_of_patience(const tuning *t);
 
 // Names the cores that other programs have: "1.4 of 2 cores".
@@ -64,8 +80,8 @@ typedef struct tuning_others {
 
 tuning_others tuning_describe_others(const tuning *t);
 
-// INTERRUPTED; always false.
-bool tuning_stop(const tuning *t, duet_error *err);
+// Stops it with INTERRUPTED, unless it has stopped; always false.
+bool tuning_stop(tuning *t);
 
 // The chosen variants at a share.
 duet_plan tuning_plan(const tuning *t, uint32_t share, duet_mode mode);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/verdict.h"
-
 #include "base/budget.h"
 #include "base/error.h"
 #include "tuner/field.h"
+#include "tuner/stages.h"
 #include "tuner/strategy.h"
 #include "tuner/trial_budget.h"
 
@@ -18,10 +17,11 @@ static const double MOST_OF_SAME = 1.1; // a gain or a loss beyond this is not `
 static const double UNEVEN = 1.03;      // a step that could be so much shorter is evened out
 
 // The devices alone come first, then the best share of each mode.
-static uint32_t enter_rivals(const tuning *t, const mode_found *founds, uint32_t n, field *f)
+static uint32_t enter_rivals(const tuning *t, field *f)
 {
+    const mode_found *founds = t->founds;
     double a_alone_ns = INFINITY, b_alone_ns = INFINITY;
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < t->n_founds; ++i) {
         a_alone_ns = fmin(a_alone_ns, founds[i].a_alone_ns);
         b_alone_ns = fmin(b_alone_ns, founds[i].b_alone_ns);
     }
@@ -29,7 +29,7 @@ static uint32_t enter_rivals(const tuning *t, const mode_found *founds, uint32_t
     if (a_alone_ns < WORTH_ALONE * b_alone_ns)
         field_enter(f, tuning_plan(t, DUET_SHARE_ONE, DUET_MODE_OWN));
     uint32_t n_alone = f->n;
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < t->n_founds; ++i) {
         if (founds[i].usable && founds[i].share > 0 && founds[i].share < DUET_SHARE_ONE)
             field_enter(f, tuning_plan(t, founds[i].share, founds[i].mode));
     }
@@ -110,13 +110,11 @@ static bool is_void(const tuning *t, const duet_plan *best, const race_gain *gai
     return true;
 }
 
-static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best,
-                  duet_tune_outcome *outcome)
+static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best)
 {
-    race_gain gain = {
-        .verdict = t->cut ? RACE_AMBIGUOUS : RACE_SAME, .ratio = 1, .interval = {1, 1, 1}};
-    if (best != alone)
-        gain = race_compare(&f->race, best, alone);
+    duet_tune_outcome *outcome = t->outcome;
+    race_gain gain = best == alone ? race_no_gain(t->cut ? RACE_AMBIGUOUS : RACE_SAME)
+                                   : race_compare(&f->race, best, alone);
     if (best != alone && is_void(t, &f->plans[best], &gain, outcome->unused))
         gain.verdict = RACE_AMBIGUOUS;
     uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
@@ -136,14 +134,14 @@ static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best
     outcome->single_ms = race_median(&f->race, alone) * 1e-6;
 }
 
-static bool fail_unmeasured(const tuning *t, duet_error *err)
+static void fail_unmeasured(tuning *t)
 {
-    if (t->failure.status == DUET_STATUS_OK)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the budget ended before the devices were compared; expected more "
-                         "than %u trials or %.3g seconds",
-                         t->state->played, (double)t->spent_ns * 1e-9);
-    return error_copy(err, &t->failure);
+    if (t->failure.status != DUET_STATUS_OK)
+        error_copy(&t->why, &t->failure);
+    error_set(&t->why, DUET_STATUS_BAD_ARGUMENT,
+              "the budget ended before the devices were compared; expected more than %u trials or "
+              "%.3g seconds",
+              t->state->played, (double)t->spent_ns * 1e-9);
 }
 
 // The plans to expect of two devices of one kind: the share by their units in the mode of the
@@ -160,14 +158,13 @@ static bool has_usual_kernels(const tuning *t)
            tune_has_variant(t->problem->def, t->problem->plan.variant_b);
 }
 
-static expectation expect_plans(const tuning *t, const mode_found *founds, uint32_t n,
-                                const duet_plan *shared)
+static expectation expect_plans(const tuning *t, const duet_plan *shared)
 {
     expectation e = {.plans[0] = *shared, .n = t->problem->fair > 0 ? 1 : 0};
     e.plans[0].share = t->problem->fair;
-    for (uint32_t i = 0; i < n; ++i)
-        if (founds[i].usable && founds[i].mode == t->problem->fair_mode)
-            e.plans[0].mode = founds[i].mode;
+    for (uint32_t i = 0; i < t->n_founds; ++i)
+        if (t->founds[i].usable && t->founds[i].mode == t->problem->fair_mode)
+            e.plans[0].mode = t->founds[i].mode;
     e.plans[1] = e.plans[0];
     for (int device = 0; device < 2; ++device)
         plan_set_variant(&e.plans[1], device, plan_variant(&t->problem->plan, device));
@@ -178,8 +175,8 @@ static expectation expect_plans(const tuning *t, const mode_found *founds, uint3
 }
 
 // The single device and the shared plan once more, with its evened share, and the expected plans.
-static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared,
-                           const expectation *e, field *f, duet_error *err)
+static void race_finalists(tuning *t, const duet_plan *alone, const duet_plan *shared,
+                           const expectation *e, field *f)
 {
     duet_plan even;
     *f = (field){0};
@@ -189,7 +186,7 @@ static bool race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
         field_enter_new(f, &even);
     for (uint32_t i = 0; i < e->n; ++i)
         field_enter_new(f, &e->plans[i]);
-    return field_race(t, f, &trial_budget_last_race, false, INFINITY, err);
+    field_race(t, f, &trial_budget_last_race, false, INFINITY);
 }
 
 // The best of the shared plans. An expected plan stays unless another is proven to be faster: in
@@ -214,76 +211,73 @@ static bool is_complete(const field *f, uint32_t best)
 }
 
 // Without a rival: the time of a step, and its interval.
-static bool run_alone(tuning *t, field *f, duet_error *err)
+static void run_alone(tuning *t, field *f)
 {
     f->race = race_begin(f->n, NULL);
-    for (uint32_t i = 0; i < LEAST_RACED && tuning_within_budget(t); ++i) {
-        trial got;
-        if (!tuning_run_trial(t, &f->plans[0], &got, err))
-            return false;
+    for (uint32_t i = 0; i < LEAST_RACED && tuning_goes_on(t); ++i) {
+        trial got = tuning_run_trial(t, &f->plans[0]);
         if (got.usable)
             race_add(&f->race, 0, (double)got.sample.total_ns);
         f->terms[0] = got.terms;
     }
-    return true;
 }
 
-bool verdict_reach(tuning *t, const mode_found *founds, uint32_t n, duet_tune_outcome *outcome,
-                   duet_error *err)
+void verdict_reach(tuning *t)
 {
     field all = {0}, finalists;
-    uint32_t n_alone = enter_rivals(t, founds, n, &all);
+    uint32_t n_alone = enter_rivals(t, &all);
     t->stage = "verdict";
     t->stage_end = t->problem->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
-    if (!(all.n > 1 ? field_race(t, &all, NULL, false, INFINITY, err) : run_alone(t, &all, err)))
-        return false;
+    if (all.n > 1)
+        field_race(t, &all, NULL, false, INFINITY);
+    else
+        run_alone(t, &all);
     uint32_t alone = race_best(&all.race, 0, n_alone);
     uint32_t shared = race_best(&all.race, n_alone, all.n);
-    if (alone == n_alone)
-        return fail_unmeasured(t, err);
-    if (shared == all.n) {
-        judge(t, &all, alone, alone, outcome);
-        return true;
+    if (alone == n_alone) {
+        fail_unmeasured(t);
+    } else if (shared == all.n) {
+        judge(t, &all, alone, alone);
+    } else {
+        expectation e = expect_plans(t, &all.plans[shared]);
+        race_finalists(t, &all.plans[alone], &all.plans[shared], &e, &finalists);
+        uint32_t best = best_finalist(&finalists, &e);
+        if (is_complete(&finalists, best))
+            judge(t, &finalists, 0, best);
+        else
+            judge(t, &all, alone, shared);
     }
-    expectation e = expect_plans(t, founds, n, &all.plans[shared]);
-    if (!race_finalists(t, &all.plans[alone], &all.plans[shared], &e, &finalists, err))
-        return false;
-    uint32_t best = best_finalist(&finalists, &e);
-    if (is_complete(&finalists, best))
-        judge(t, &finalists, 0, best, outcome);
-    else
-        judge(t, &all, alone, shared, outcome);
-    return true;
 }
 
-bool verdict_race_whole(tuning *t, duet_tune_outcome *outcome, duet_error *err)
+void verdict_race_whole(tuning *t)
 {
     const tune_whole *whole = &t->problem->whole;
+    duet_tune_outcome *outcome = t->outcome;
     measure_machine machines[2] = {t->problem->machine};
     duet_plan plans[2] = {outcome->plan};
     race r = race_begin(2, NULL);
     uint32_t rival;
-    if (!whole->open)
-        return true;
-    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1]))
-        return budget_check_stop(NULL) || tuning_stop(t, err);
+    if (!whole->open || t->why.status != DUET_STATUS_OK)
+        return;
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1])) {
+        if (!budget_check_stop(NULL))
+            tuning_stop(t);
+        return;
+    }
     t->stage = "undivided";
     t->stage_end = ALL;
-    while (tuning_within_budget(t) && race_next(&r, &rival)) {
-        double ns = 0;
-        if (!tuning_run_unlogged(t, &machines[rival], &plans[rival], &ns, err))
-            return false;
+    while (tuning_goes_on(t) && race_next(&r, &rival)) {
+        double ns = tuning_run_unlogged(t, &machines[rival], &plans[rival]);
         if (ns <= 0)
-            return true;
+            return;
         race_add(&r, rival, ns);
     }
     if (race_rounds(&r, 0, 1) < LEAST_RACED)
-        return true;
+        return;
     race_gain gain = race_compare(&r, 0, 1);
     outcome->whole_ms = race_median(&r, 1) * 1e-6;
     outcome->whole_gain = gain.ratio - 1;
     outcome->whole_gain_low = gain.interval.low - 1;
     outcome->whole_gain_high = gain.interval.high - 1;
-    return true;
 }

@@ -14,7 +14,7 @@
 typedef struct explained {
     const task *task;
     const duet_device_pair *pair;
-    kernel_space *spaces[2]; // NULL: the device has no work, or nothing is free
+    kernel_spaces spaces[2]; // empty: the device has no work, or nothing is free
 } explained;
 
 // ---------------------------------------------------------------- arguments
@@ -48,7 +48,7 @@ static const char *const sides[] = {"A", "B"};
 
 static void add_kernel(cJSON *list, const explained *e, int side)
 {
-    const kernel_space *s = e->spaces[side];
+    const kernel_space *s = e->spaces[side].of;
     cJSON *row = json_add_row(list);
     json_add(row, STRING("device", sides[side]),
              STRING("selector", duet_device_pair_get_info(e->pair, side)->selector),
@@ -93,14 +93,8 @@ static bool read_spaces(explained *e, task_launcher *l, duet_error *err)
 {
     static const duet_plan usual = {.variant_a = "auto", .variant_b = "auto"};
     bool ok = true;
-    for (int side = 0; ok && side < 2; ++side) {
-        uint32_t n = 0;
-        ok = task_kernel_space(l, &usual, side, &e->spaces[side], &n, err);
-        if (n > 0)
-            continue;
-        free(e->spaces[side]);
-        e->spaces[side] = NULL;
-    }
+    for (int side = 0; ok && side < 2; ++side)
+        ok = task_kernel_space(l, &usual, side, &e->spaces[side], err);
     return ok;
 }
 
@@ -111,7 +105,7 @@ static bool explain(explained *e, task *t, duet_device_pair *pair, bool json, du
     ok = ok && rendering_tell(describe(e), json, "cli/report/explain_task.lua", err);
     task_launcher_close(l);
     for (int side = 0; side < 2; ++side)
-        free(e->spaces[side]);
+        kernel_spaces_free(&e->spaces[side]);
     return ok;
 }
 

@@ -131,23 +131,33 @@ static bool list_configs(const kernel_space_source *from, const kernel *k, kerne
 
 // ---------------------------------------------------------------- a kernel's space
 
-bool kernel_space_read(const kernel_space_source *from, const char *name,
-                       const char *const stages[KERNEL_SPACE_STAGES], const kernel *k,
-                       kernel_space *space, duet_error *err)
+void kernel_spaces_free(kernel_spaces *s)
 {
-    settings s;
-    assert(from->n_offers <= KERNEL_SPACE_OFFERS);
-    *space = (kernel_space){.n_configs = 0};
-    snprintf(space->kernel, sizeof space->kernel, "%s", name);
-    memcpy(space->stages, stages, sizeof space->stages);
-    return list_params(from, space, &s, err) && list_configs(from, k, space, &s, err);
+    free(s->of);
+    *s = (kernel_spaces){0};
 }
 
-static bool read_kernel(const part *p, uint32_t i, const kernel *k, kernel_space *space,
-                        duet_error *err)
+bool kernel_spaces_add(kernel_spaces *s, const kernel_space *space, duet_error *err)
 {
-    const kernel_space_source from = {p->gen, p->limits, p->offers, p->n_offers};
-    return kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, space, err);
+    kernel_space *grown = realloc(s->of, (s->n + 1) * sizeof *grown);
+    if (!grown)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
+    s->of = grown;
+    s->of[s->n++] = *space;
+    return true;
+}
+
+bool kernel_space_read(const kernel_space_source *from, const char *name,
+                       const char *const stages[KERNEL_SPACE_STAGES], const kernel *k,
+                       kernel_spaces *to, duet_error *err)
+{
+    settings s;
+    kernel_space space = {.n_configs = 0};
+    assert(from->n_offers <= KERNEL_SPACE_OFFERS);
+    snprintf(space.kernel, sizeof space.kernel, "%s", name);
+    memcpy(space.stages, stages, sizeof space.stages);
+    return list_params(from, &space, &s, err) && list_configs(from, k, &space, &s, err) &&
+           (space.n_configs < 2 || kernel_spaces_add(to, &space, err));
 }
 
 static bool make_ready(duet_world *world, int side, duet_error *err)
@@ -156,20 +166,14 @@ static bool make_ready(duet_world *world, int side, duet_error *err)
     return world_is_prepared(world, side) || duet_world_step(world, &result, err);
 }
 
-bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint32_t *n,
-                        duet_error *err)
+bool kernel_spaces_read(duet_world *world, int side, kernel_spaces *to, duet_error *err)
 {
-    *n = 0;
-    *spaces = NULL;
-    if (!make_ready(world, side, err))
-        return false;
-    *spaces = malloc(N_KERNELS * sizeof **spaces);
-    bool ok = *spaces || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
+    bool ok = make_ready(world, side, err);
     for (uint32_t i = 0; ok && world_is_prepared(world, side) && i < N_KERNELS; ++i) {
         const part *p = &world->parts[side];
         const kernel *k = part_kernel(p, kernels[i].name);
-        ok = !k || read_kernel(p, i, k, &(*spaces)[*n], err);
-        *n += ok && k && (*spaces)[*n].n_configs > 1;
+        const kernel_space_source from = {p->gen, p->limits, p->offers, p->n_offers};
+        ok = !k || kernel_space_read(&from, kernels[i].name, kernels[i].stages, k, to, err);
     }
     return ok;
 }

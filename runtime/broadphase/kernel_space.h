@@ -39,16 +39,25 @@ typedef struct kernel_space_source {
     uint32_t n_offers; // at most KERNEL_SPACE_OFFERS
 } kernel_space_source;
 
-// Reads the space of the kernel k of that name, which was made from `from`.
+// The spaces of several kernels, which kernel_spaces_free gives back; zeroed it is empty.
+typedef struct kernel_spaces {
+    kernel_space *of;
+    uint32_t n;
+} kernel_spaces;
+
+void kernel_spaces_free(kernel_spaces *s);
+bool kernel_spaces_add(kernel_spaces *s, const kernel_space *space, duet_error *err);
+
+// Adds the space of the kernel k of that name, which was made from `from`, if it has several
+// configs.
 bool kernel_space_read(const kernel_space_source *from, const char *name,
                        const char *const stages[KERNEL_SPACE_STAGES], const struct kernel *k,
-                       kernel_space *space, duet_error *err);
+                       kernel_spaces *to, duet_error *err);
 
-// The kernels of a device that have several configs, in the order in which a step mostly
-// spends its time on them; side 0 is A. Steps the world unless its last step was by the
-// plan's kernels. The caller frees *spaces; n is 0 if the device has no work.
-bool kernel_spaces_read(duet_world *world, int side, kernel_space **spaces, uint32_t *n,
-                        duet_error *err);
+// Adds the kernels of a device, in the order in which a step mostly spends its time on them; side 0
+// is A. Steps the world unless its last step was by the plan's kernels. A device without work has
+// none.
+bool kernel_spaces_read(duet_world *world, int side, kernel_spaces *to, duet_error *err);
 
 // Adds to a variant's text what a config sets otherwise than the one that ran:
 // "gpu pair_search_gpu.WG=64". False if the text would be too long.

@@ -210,7 +210,7 @@ bool motion_set_share(duet_motion *m, uint32_t share, duet_error *err);
 
 // The skin, if there is one, and the kernels that only a motion has, of those that this one has
 // built, as kernel_spaces_read.
-bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err);
+bool motion_kernel_spaces(duet_motion *m, kernel_spaces *to, duet_error *err);
 
 // Puts poses and bodies into B's buffers, and 0 into what they lack.
 bool motion_reset(duet_motion *m, duet_error *err);

@@ -93,10 +93,11 @@ static kernel_space space_of_skin(const duet_motion *m)
     return space;
 }
 
-static bool read_spaces(duet_motion *m, kernel_space *spaces, uint32_t *n, duet_error *err)
+bool motion_kernel_spaces(duet_motion *m, kernel_spaces *to, duet_error *err)
 {
-    if (m->effects & DUET_EFFECT_SKIN)
-        spaces[(*n)++] = space_of_skin(m);
+    const kernel_space skin = space_of_skin(m);
+    if ((m->effects & DUET_EFFECT_SKIN) && !kernel_spaces_add(to, &skin, err))
+        return false;
     gen_offer offers[MOTION_OFFERS + 2];
     uint32_t n_offers = motion_offers(m, false, offers);
     // Kernels that share the blocks have one size of them.
@@ -110,16 +111,7 @@ static bool read_spaces(duet_motion *m, kernel_space *spaces, uint32_t *n, duet_
     for (int i = 0; ok && i < MOTION_PLAN_KERNELS; ++i) {
         const kernel *k = find_kernel(m, motion_plan_kernels[i].name);
         ok = !k || kernel_space_read(&from, motion_plan_kernels[i].name,
-                                     motion_plan_kernels[i].stages, k, &spaces[*n], err);
-        *n += ok && k && spaces[*n].n_configs > 1;
+                                     motion_plan_kernels[i].stages, k, to, err);
     }
     return ok;
-}
-
-bool motion_kernel_spaces(duet_motion *m, kernel_space **spaces, uint32_t *n, duet_error *err)
-{
-    *n = 0;
-    *spaces = malloc((1 + MOTION_PLAN_KERNELS) * sizeof **spaces);
-    return *spaces ? read_spaces(m, *spaces, n, err)
-                   : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
 }

@@ -235,23 +235,17 @@ bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet
     return ok && task_launch_check(l, err);
 }
 
-bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_space **spaces,
-                       uint32_t *n, duet_error *err)
+bool task_kernel_space(task_launcher *l, const duet_plan *plan, int which, kernel_spaces *to,
+                       duet_error *err)
 {
     static const char *const stages[KERNEL_SPACE_STAGES] = {"kernel"};
     task_side *s = &l->sides[which];
-    *n = 0;
-    *spaces = s->side.device ? calloc(1, sizeof **spaces) : NULL;
     if (!s->side.device)
         return true;
-    if (!*spaces)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
     const kernel_space_source from = {.gen = s->side.gen,
                                       .limits = program_set_limits(s->side.programs)};
-    bool ok = take_variant(s, which == 0 ? plan->variant_a : plan->variant_b, err) &&
-              kernel_space_read(&from, l->task->kernel, stages, s->kernel, *spaces, err);
-    *n = ok && (*spaces)->n_configs > 1;
-    return ok;
+    return take_variant(s, which == 0 ? plan->variant_a : plan->variant_b, err) &&
+           kernel_space_read(&from, l->task->kernel, stages, s->kernel, to, err);
 }
 
 // ---------------------------------------------------------------- owner

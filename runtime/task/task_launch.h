@@ -47,8 +47,8 @@ bool task_launcher_prepare(task_launcher *l, const duet_plan *plan, duet_error *
 // Launches it n times, of which only the last is checked.
 bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet_error *err);
 
-// Reads the space of the kernel on a device by the plan, as kernel_spaces_read does.
-bool task_kernel_space(task_launcher *l, const duet_plan *plan, int side, kernel_space **spaces,
-                       uint32_t *n, duet_error *err);
+// Adds the space of the kernel on a device by the plan, as kernel_spaces_read does.
+bool task_kernel_space(task_launcher *l, const duet_plan *plan, int side, kernel_spaces *to,
+                       duet_error *err);
 
 #endif

@@ -58,7 +58,7 @@ static bool run_pair(const char *name, const simulated_pair *model, rng *r, uint
         double best = (double)simulated_best(model).total_ns;
         double picked = (double)simulated_launch(model, search_pick(&s), NULL).total_ns;
         out->off[i] = picked / best - 1;
-        out->launches += s.history.n;
+        out->launches += s.n;
         out->cost += (double)cost / best;
         out->slower += picked > 1.001 * single(model);
     }

@@ -40,7 +40,7 @@ static bool launch_alone(void *context, const duet_plan *plan, bool staged, meas
                          duet_error *err)
 {
     subject *s = context;
-    if (!s->kind->launch(s, plan, staged, launch, err))
+    if (!s->kind->machine.launch(s, plan, staged, launch, err))
         return false;
     int64_t lost = (int64_t)launch->use.lost_ns;
     int64_t *longer = launch->a_ns > launch->b_ns ? &launch->a_ns : &launch->b_ns;
@@ -57,8 +57,9 @@ static bool find_plan(subject *s, rival *r, duet_error *err)
     trial_log log = {0};
     const tune_problem problem = {
         .def = s->def,
-        .machine = {.context = s, .launch = launch_alone},
-        .kernels = {.context = s, .read = s->kind->read_kernels},
+        .machine = {.context = s,
+                    .launch = launch_alone,
+                    .read_kernels = s->kind->machine.read_kernels},
         .one_device = s->one_device,
         .plan = s->plan,
         .start = usual.share,

@@ -60,7 +60,7 @@ static bool choose(const measure_machine *machine, const char *name, chosen *out
         out->ms += ok ? (double)sample.total_ns * 1e-6 : 0;
     }
     out->share = ok ? search_pick(&s) : 0;
-    out->launches = s.history.n;
+    out->launches = s.n;
     any_strategy_end(&s);
     return ok;
 }

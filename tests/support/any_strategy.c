@@ -23,12 +23,12 @@ bool any_strategy_begin(search *s, const char *name, duet_error *err)
         return search_begin(s, name, NULL, err);
     if (!search_begin(s, "lua", NULL, err))
         return false;
-    s->history.script = open_experiment(name, err);
-    return s->history.script;
+    s->script = open_experiment(name, err);
+    return s->script;
 }
 
 void any_strategy_end(search *s)
 {
-    script_close(s->history.script);
+    script_close(s->script);
     search_end(s);
 }

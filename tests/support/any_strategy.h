@@ -3,7 +3,7 @@
 #ifndef SUPPORT_ANY_STRATEGY_H
 #define SUPPORT_ANY_STRATEGY_H
 
-#include "tuner/search.h"
+#include "tuner/strategy.h"
 
 // All but "lua"; ends with NULL.
 extern const char *const any_strategies[];

@@ -7,7 +7,7 @@
 #define SUPPORT_SIMULATED_PAIR_H
 
 #include "base/rng.h"
-#include "tuner/search.h"
+#include "tuner/strategy.h"
 
 // One row of a recorded table, or a launch without noise.
 typedef struct simulated_row {

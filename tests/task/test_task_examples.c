@@ -31,11 +31,11 @@ static void launch_configs(task_launcher *l)
 {
     duet_error err = {0};
     task_result r;
-    kernel_space *space;
-    uint32_t n;
+    kernel_spaces spaces = {0};
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
-    must(task_kernel_space(l, &plan, 1, &space, &n, ERR));
-    assert_int_equal(n, 1);
+    must(task_kernel_space(l, &plan, 1, &spaces, ERR));
+    assert_int_equal(spaces.n, 1);
+    const kernel_space *space = spaces.of;
     assert_true(space->n_configs >= 9);
     for (uint32_t i = 0; i < space->n_configs; ++i) {
         plan.share = (i * 7919u) % DUET_SHARE_ONE;
@@ -44,7 +44,7 @@ static void launch_configs(task_launcher *l)
         if (!task_launch(l, &plan, &r, &err))
             fail_msg("%s: %s", plan.variant_a, err.text);
     }
-    free(space);
+    kernel_spaces_free(&spaces);
 }
 
 static void run_example(const char *name, const char *n)

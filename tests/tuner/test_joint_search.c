@@ -108,16 +108,12 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     return true;
 }
 
-static bool read_fake(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                      uint32_t *n, duet_error *err)
+static bool read_fake(void *context, const duet_plan *plan, int device, kernel_spaces *to,
+                      duet_error *err)
 {
     const fake *f = context;
-    (void)plan, (void)device, (void)err;
-    *spaces = malloc(sizeof **spaces);
-    assert_non_null(*spaces);
-    **spaces = f->space;
-    *n = 1;
-    return true;
+    (void)plan, (void)device;
+    return kernel_spaces_add(to, &f->space, err);
 }
 
 static bool watch_fake(void *context, const duet_tune_progress *p)
@@ -143,8 +139,7 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
                                .watch_context = f};
     tune_problem problem = {
         .def = &def,
-        .machine = {.context = f, .launch = launch_fake},
-        .kernels = {.context = f, .read = read_fake},
+        .machine = {.context = f, .launch = launch_fake, .read_kernels = read_fake},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .script = own,
         .least_share = 8};
@@ -170,10 +165,9 @@ static double time_of_plan(const fake *f, const duet_plan *plan)
 
 static joint_space open_space(const fake *f)
 {
-    joint_space s = {.points = POINTS, .n_kernels = {1, 1}};
+    joint_space s = {.points = POINTS};
     for (int device = 0; device < 2; ++device)
-        assert_true(
-            read_fake((void *)f, NULL, device, &s.kernels[device], &s.n_kernels[device], NULL));
+        must(joint_space_add(&s, device, &f->space, ERR));
     return s;
 }
 
@@ -192,8 +186,8 @@ TEST(every_plan_of_the_grid_has_one_number)
         joint_space_normalize(&s, &same);
         assert_true(memcmp(p.configs, same.configs, sizeof p.configs) == 0 &&
                     p.share == same.share);
-        assert_false(seen[point][p.configs[0][0]][p.configs[1][0]]);
-        seen[point][p.configs[0][0]][p.configs[1][0]] = true;
+        assert_false(seen[point][p.configs[0]][p.configs[1]]);
+        seen[point][p.configs[0]][p.configs[1]] = true;
     }
     joint_space_free(&s);
 }
@@ -203,23 +197,17 @@ TEST(many_kernels_leave_a_number_of_plans)
 {
     fake f = {.random = rng_seed(test_seed())};
     invent(&f);
-    kernel_space *kernels[2];
-    for (int device = 0; device < 2; ++device) {
-        kernels[device] = malloc(SEARCH_KERNELS * sizeof f.space);
-        assert_non_null(kernels[device]);
-        for (int i = 0; i < SEARCH_KERNELS; ++i)
-            kernels[device][i] = f.space;
-    }
-    joint_space s = {.points = POINTS,
-                     .kernels = {kernels[0], kernels[1]},
-                     .n_kernels = {SEARCH_KERNELS, SEARCH_KERNELS}};
+    joint_space s = {.points = POINTS};
+    for (int device = 0; device < 2; ++device)
+        for (int i = 0; i <= SEARCH_KERNELS; ++i) // one more than there is space for
+            must(joint_space_add(&s, device, &f.space, ERR));
+    assert_int_equal(s.kernels.n, 2 * SEARCH_KERNELS);
     const uint64_t most = UINT64_C(1) << 24;
     uint64_t n = joint_space_count(&s);
     assert_true(n == most * most * (POINTS - 1) + 2 * most);
     search_sample last = joint_space_at(&s, n - 1);
-    for (int device = 0; device < 2; ++device)
-        for (int i = 0; i < SEARCH_KERNELS; ++i)
-            assert_true(last.configs[device][i] < CONFIGS);
+    for (uint32_t i = 0; i < s.kernels.n; ++i)
+        assert_true(last.configs[i] < CONFIGS);
     joint_space_free(&s);
 }
 
@@ -236,8 +224,8 @@ TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
         uint32_t differ = p.share != to.share;
         for (int device = 0; device < 2; ++device)
             for (uint32_t k = 0; k < 2; ++k)
-                differ += f.space.configs[p.configs[device][0]][k] !=
-                          f.space.configs[to.configs[device][0]][k];
+                differ +=
+                    f.space.configs[p.configs[device]][k] != f.space.configs[to.configs[device]][k];
         assert_true(differ <= 1);
     }
     joint_space_free(&s);
@@ -290,20 +278,20 @@ TEST(no_plan_is_measured_twice)
     for (int k = 0; strategies[k]; ++k) {
         if (strategies[k]->choice == STRATEGY_SHARE)
             continue;
-        search_history h = {.space = &s, .seed = 3, .options.launches = 300};
+        search h = {.space = &s, .seed = 3, .options.launches = 300};
         while (h.n < 300) {
             search_next next;
             must(strategies[k]->ask(&h, &next, ERR));
             if (next.done)
                 break;
-            assert_null(search_history_find(&h, &next.at));
+            assert_null(search_find(&h, &next.at));
             search_sample sample = next.at;
             sample.failed = rng_below(&f.random, 9) == 0;
             sample.total_ns = 1000 + rng_below(&f.random, 1000);
-            must(search_history_add(&h, &sample, ERR));
+            must(search_tell(&h, &sample, ERR));
         }
         assert_int_equal(h.n, 300);
-        search_history_free(&h);
+        search_end(&h);
     }
     joint_space_free(&s);
 }

@@ -153,16 +153,12 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     return true;
 }
 
-static bool read_fake(void *context, const duet_plan *plan, int device, kernel_space **spaces,
-                      uint32_t *n, duet_error *err)
+static bool read_fake(void *context, const duet_plan *plan, int device, kernel_spaces *to,
+                      duet_error *err)
 {
     const fake *f = context;
-    (void)plan, (void)device, (void)err;
-    *spaces = malloc(sizeof **spaces);
-    assert_non_null(*spaces);
-    **spaces = f->space;
-    *n = 1;
-    return true;
+    (void)plan, (void)device;
+    return kernel_spaces_add(to, &f->space, err);
 }
 
 // ---------------------------------------------------------------- tunings
@@ -192,8 +188,7 @@ static bool run_fake(fake *f, const duet_tune_def *def, trial_log *state,
 {
     tune_problem problem = {
         .def = def,
-        .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
-        .kernels = {.context = f, .read = read_fake},
+        .machine = {.context = f, .launch = launch_fake, .read_kernels = read_fake, .hash = RIGHT},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8};
     return tune_run(&problem, state, outcome, err);

@@ -52,20 +52,20 @@ static duet_plan plan_of_b(const char *variant)
     return plan;
 }
 
-static kernel_space *read_b(fixture *f, const char *variant, uint32_t *n)
+static kernel_spaces read_b(fixture *f, const char *variant)
 {
-    kernel_space *spaces;
+    kernel_spaces spaces = {0};
     duet_plan plan = plan_of_b(variant);
     must(duet_world_set_plan(f->world, &plan, ERR));
-    must(kernel_spaces_read(f->world, 1, &spaces, n, ERR));
+    must(kernel_spaces_read(f->world, 1, &spaces, ERR));
     return spaces;
 }
 
-static const kernel_space *find(const kernel_space *spaces, uint32_t n, const char *kernel)
+static const kernel_space *find(const kernel_spaces *spaces, const char *kernel)
 {
-    for (uint32_t i = 0; i < n; ++i)
-        if (strcmp(spaces[i].kernel, kernel) == 0)
-            return &spaces[i];
+    for (uint32_t i = 0; i < spaces->n; ++i)
+        if (strcmp(spaces->of[i].kernel, kernel) == 0)
+            return &spaces->of[i];
     fail_msg("'%s' has no space", kernel);
     return NULL;
 }
@@ -75,45 +75,41 @@ TEST(the_search_of_a_cpu_has_48_configs)
 {
     static const char *const names[] = {"BUF", "AHEAD", "PER_ITEM"};
     static const int64_t now[] = {512, 32, 1024};
-    uint32_t n;
-    kernel_space *spaces = read_b(*state, "simd", &n);
-    const kernel_space *s = find(spaces, n, "pair_search_simd");
-    assert_ptr_equal(s, spaces); // first, as what takes longest
+    kernel_spaces spaces = read_b(*state, "simd");
+    const kernel_space *s = find(&spaces, "pair_search_simd");
+    assert_ptr_equal(s, spaces.of); // first, as what takes longest
     assert_int_equal(s->n_configs, 4 * 4 * 3);
     assert_int_equal(s->n_params, 3);
     for (uint32_t i = 0; i < 3; ++i) {
         assert_string_equal(s->params[i].name, names[i]);
         assert_int_equal(s->params[i].values[s->configs[s->now][i]], now[i]);
     }
-    free(spaces);
+    kernel_spaces_free(&spaces);
 }
 
 TEST(what_a_variant_sets_is_not_free)
 {
-    uint32_t n;
-    kernel_space *spaces = read_b(*state, "simd pair_search_simd.BUF=256", &n);
-    assert_int_equal(find(spaces, n, "pair_search_simd")->n_configs, 4 * 3);
-    free(spaces);
+    kernel_spaces spaces = read_b(*state, "simd pair_search_simd.BUF=256");
+    assert_int_equal(find(&spaces, "pair_search_simd")->n_configs, 4 * 3);
+    kernel_spaces_free(&spaces);
 }
 
 // A combination that the card rules out is no config: on a CPU 2 * 3 * 4 * 2 less those whose BATCH
 // is no multiple of LANES.
 TEST(configs_that_are_not_valid_are_left_out)
 {
-    uint32_t n;
-    kernel_space *spaces = read_b(*state, "simd", &n);
-    assert_int_equal(find(spaces, n, "hash")->n_configs, (2 * 3 - 1) * 4 * 2);
-    free(spaces);
+    kernel_spaces spaces = read_b(*state, "simd");
+    assert_int_equal(find(&spaces, "hash")->n_configs, (2 * 3 - 1) * 4 * 2);
+    kernel_spaces_free(&spaces);
 }
 
 TEST(a_config_as_text_runs_and_finds_the_same_pairs)
 {
     fixture *f = *state;
-    uint32_t n;
     char variant[DUET_VARIANT];
     measure_launch plain = {0}, set = {0};
-    kernel_space *spaces = read_b(f, "simd", &n);
-    const kernel_space *s = find(spaces, n, "clear");
+    kernel_spaces spaces = read_b(f, "simd");
+    const kernel_space *s = find(&spaces, "clear");
     assert_true(kernel_space_write(s, s->now, "simd", variant, sizeof variant));
     assert_string_equal(variant, "simd");
     uint32_t other = s->now == 0 ? 1 : 0;
@@ -127,7 +123,7 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     strcpy(plan.variant_b, variant);
     must(machine.launch(machine.context, &plan, false, &set, ERR));
     assert_true(plain.hash == set.hash && plain.hash != 0);
-    free(spaces);
+    kernel_spaces_free(&spaces);
 }
 
 // The search of a CPU tests what it finds: its stage is a part of T_GPU2 all the same.

@@ -19,7 +19,7 @@ static uint32_t pick_of(const char *name, const simulated_pair *model, rng *r, u
     must(simulated_run(&s, model, r, &cost_ns, ERR));
     uint32_t share = search_pick(&s);
     if (launches)
-        *launches = s.history.n;
+        *launches = s.n;
     if (cost)
         *cost = (double)cost_ns / (double)simulated_best(model).total_ns;
     any_strategy_end(&s);
@@ -226,9 +226,9 @@ TEST(balance_never_launches_at_a_share_that_is_dear)
         search s;
         must(search_begin(&s, "balance", NULL, ERR));
         must(simulated_run(&s, &model, NULL, &cost, ERR));
-        for (uint32_t k = 0; k < s.history.n; ++k) {
-            assert_true((double)s.history.samples[k].total_ns <= most * alone);
-            assert_true(s.history.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
+        for (uint32_t k = 0; k < s.n; ++k) {
+            assert_true((double)s.samples[k].total_ns <= most * alone);
+            assert_true(s.samples[k].share < SEARCH_ONE || model.ratio < 1.5);
         }
         assert_true((double)cost <= (16 + model.ratio / 16) * alone);
         search_end(&s);
@@ -262,8 +262,8 @@ TEST(a_neighbours_share_is_the_first_probe)
     uint64_t cost;
     must(search_begin(&s, "balance", &options, ERR));
     must(simulated_run(&s, &model, NULL, &cost, ERR));
-    assert_int_equal(s.history.samples[1].share, options.start);
-    assert_true(s.history.n <= 6);
+    assert_int_equal(s.samples[1].share, options.start);
+    assert_true(s.n <= 6);
     assert_true(simulated_excess(&model, search_pick(&s)) < 0.005);
     search_end(&s);
 }
@@ -306,7 +306,7 @@ TEST(senseless_times_do_no_harm)
                 .share = next.at.share, .total_ns = ns[0], .a_ns = ns[1], .b_ns = ns[2]};
             must(search_tell(&s, &sample, ERR));
             search_bracket(&s, &low, &high);
-            assert_true(s.history.n < 1000 && search_pick(&s) <= SEARCH_ONE);
+            assert_true(s.n < 1000 && search_pick(&s) <= SEARCH_ONE);
         }
         assert_int_equal(err.status, DUET_STATUS_OK);
         any_strategy_end(&s);
@@ -318,9 +318,9 @@ static void begin_again(search *s)
 {
     search told;
     must(search_begin(&told, s->strategy->name, NULL, ERR));
-    for (uint32_t i = 0; i < s->history.n; ++i)
-        must(search_tell(&told, &s->history.samples[i], ERR));
-    told.history.script = s->history.script;
+    for (uint32_t i = 0; i < s->n; ++i)
+        must(search_tell(&told, &s->samples[i], ERR));
+    told.script = s->script;
     search_end(s);
     *s = told;
 }
@@ -340,7 +340,7 @@ static uint32_t run_with_stops(const char *name, const simulated_pair *model, bo
             begin_again(&s);
     }
     uint32_t share = search_pick(&s);
-    *launches = s.history.n;
+    *launches = s.n;
     any_strategy_end(&s);
     return share;
 }
