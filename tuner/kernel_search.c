@@ -4,7 +4,7 @@
 #include <math.h>
 
 static const double BEHIND = 1.07; // in times of the fastest
-static const double AHEAD = 1.01;  // a value must gain this much: between equal values noise would
+static const double AHEAD = 1.02;  // a value must gain this much: between equal values noise would
                                    // choose, and the next parameter's best may not suit them
 
 kernel_search kernel_search_begin(const kernel_space *space)

@@ -14,7 +14,7 @@ static const double TRIALS_A_VALUE = 2.6; // trials per value of a parameter, on
 static const double WORTH_SEARCH = 0.03;  // a kernel that takes so much of its device's time
 
 static const race_options confirmation = {
-    .least_rounds = 10, .most_rounds = 24, .confidence = 0.99, .dropped = INFINITY, .margin = 0.02};
+    .least_rounds = 10, .most_rounds = 24, .confidence = 0.99, .dropped = 1.02, .margin = 0.02};
 
 // The configs as plans; one whose text would be too long is left out.
 static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_space *space,
@@ -145,6 +145,13 @@ bool kernel_tuning_is_meant(const char *what, const kernel_space *space)
     return strcmp(what, "kernels") == 0 || strcmp(what, space->kernel) == 0;
 }
 
+// Whether A needs no search: it is B's device, or one of its kind with the same variant.
+static bool is_like_b(const tuning *t)
+{
+    return t->problem->one_device ||
+           (t->problem->fair > 0 && strcmp(t->plan.variant_a, t->plan.variant_b) == 0);
+}
+
 // Estimates the trials still to come: to search and confirm this device's kernels, and as many for
 // the next device as for this one.
 static void expect_trials(tuning *t, int device, const kernel_space *spaces, uint32_t n,
@@ -156,7 +163,7 @@ static void expect_trials(tuning *t, int device, const kernel_space *spaces, uin
              kernel_tuning_is_meant(t->problem->def->search, &spaces[i]) && p < spaces[i].n_params;
              ++p)
             left += (uint32_t)(TRIALS_A_VALUE * (spaces[i].params[p].n_values - 1));
-    uint32_t next = device == 1 && !t->problem->one_device ? so_far + left : 0;
+    uint32_t next = device == 1 && !is_like_b(t) ? so_far + left : 0;
     t->search_known = true;
     t->search_trials = t->state->played - t->search_begun + left + next;
 }
@@ -206,6 +213,7 @@ void kernel_tuning_run(tuning *t)
     uint32_t repeats = t->repeats;
     if (!t->problem->def->search)
         return;
+    bool alike = is_like_b(t);
     t->search_begun = t->state->played;
     t->stage = "kernels of B";
     t->stage_end = (VARIANTS_END + KERNELS_END) / 2;
@@ -214,7 +222,7 @@ void kernel_tuning_run(tuning *t)
         search_device(t, 1, 0);
     t->stage = "kernels of A";
     t->stage_end = KERNELS_END;
-    if (t->problem->one_device)
+    if (alike)
         plan_set_variant(&t->plan, 0, t->plan.variant_b);
     else if (!take_searched(t, 0) && tuning_goes_on(t))
         search_device(t, 0, variants_share_of_a(t));

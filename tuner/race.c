@@ -89,7 +89,7 @@ static bool round_is_over(const race *r)
 }
 
 // How far all are behind the leader: more launches would not tell anything worth
-// one.
+// one. An interval may be wider the further it is from 1.
 static bool all_are_known(const race *r)
 {
     uint32_t leader = race_leader(r);
@@ -99,7 +99,7 @@ static bool all_are_known(const race *r)
         if (i == leader || r->rivals[i].out)
             continue;
         race_gain gain = race_compare(r, leader, i);
-        double widest = pow(1 + r->options.margin, 2);
+        double widest = fmax(pow(1 + r->options.margin, 2), cbrt(gain.interval.low));
         if (gain.verdict == RACE_AMBIGUOUS || gain.interval.high > widest * gain.interval.low)
             return false;
     }
@@ -162,7 +162,7 @@ uint32_t race_best(const race *r, uint32_t from, uint32_t to)
 static void drop_slower(race *r)
 {
     uint32_t leader = race_leader(r);
-    for (uint32_t i = 0; i < r->n; ++i) {
+    for (uint32_t i = r->options.stay; i < r->n; ++i) {
         if (i == leader || r->rivals[i].out)
             continue;
         race_gain gain = race_compare(r, leader, i);

@@ -18,6 +18,7 @@ typedef struct race_options {
     uint32_t most_rounds;  // up to RACE_ROUNDS
     double confidence;     // the intervals' confidence
     double dropped;        // a plan that surely takes so many times the leader's time drops out
+    uint32_t stay;         // the first so many rivals do not: others are measured by them
     double margin;         // the race ends once all ratios are known this well; 0: it does not
 } race_options;
 

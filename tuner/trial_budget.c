@@ -10,8 +10,12 @@ enum { LEAST_SEARCHED = 3 }; // trials of a mode
 const race_options trial_budget_quick_race = {
     .least_rounds = 4, .most_rounds = 6, .confidence = 0.85, .dropped = 1};
 
-const race_options trial_budget_last_race = {
-    .least_rounds = 14, .most_rounds = 40, .confidence = 0.99, .dropped = INFINITY, .margin = 0.03};
+const race_options trial_budget_last_race = {.least_rounds = 14,
+                                             .most_rounds = 40,
+                                             .confidence = 0.99,
+                                             .dropped = 1.03,
+                                             .stay = 1, // the device alone
+                                             .margin = 0.03};
 
 // Counts the rivals of the first race: all devices alone, and each mode's best share.
 static uint32_t most_rivals(const duet_tune_def *def)

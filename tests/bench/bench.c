@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--verify]
+// duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--task T] [--verify]
 #include "bench.h"
 
 #include "base/error.h"
@@ -96,7 +96,7 @@ bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, ui
 static int usage(void)
 {
     fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] "
-                    "[--pair A,B] [--verify]\n");
+                    "[--pair A,B] [--task T] [--verify]\n");
     for (int i = 0; i < N_BENCHES; ++i)
         fprintf(stderr, "  %-10s %s\n", benches[i].name, benches[i].about);
     return 2;
@@ -129,6 +129,10 @@ static bool read_option(const char *name, char *value, bench_options *options)
         return read_pair(value, options);
     if (strcmp(name, "--device") == 0) {
         options->device = value;
+        return value != NULL;
+    }
+    if (strcmp(name, "--task") == 0) {
+        options->task = value;
         return value != NULL;
     }
     if (strcmp(name, "--seed") == 0)

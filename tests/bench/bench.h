@@ -15,6 +15,7 @@ typedef struct bench_options {
     const char *device;   // selector of the one device
     const char *device_a; // selectors of two; NULL: the default device pair
     const char *device_b;
+    const char *task; // one of the example tasks; NULL: all
     uint32_t n;    // objects; 0: the benchmark's own number
     uint32_t runs; // runs of each side
     uint64_t seed;

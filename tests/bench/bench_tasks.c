@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The six example tasks: what each strategy finds of kernels and share, beside every plan of an
-// even grid (brute, and its best shared plan). The winners, and each device alone by the kernels
-// that the default strategy found, then race in turn. A launch's time is without what other
-// programs took of it. --n: items of saxpy; the others have as much less work.
+// even grid (brute, its best shared plan, and the next best of its launches). The winners, and each
+// device alone by the kernels that the default strategy found, then race in turn; each is compared
+// with the best of brute force's, round by round. A launch's time is without what other programs
+// took of it. --n: items of saxpy; the others have as much less work. --task: one, of --n items.
 #include "bench.h"
 
 #include "base/clock.h"
@@ -15,6 +16,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const struct {
     const char *name;
@@ -26,7 +28,13 @@ static const struct {
 // The first is what the others are compared with, and the second the default.
 static const char *const names[] = {"brute", "balance", "annealing", "random"};
 
-enum { N_NAMES = sizeof names / sizeof *names, RIVALS = N_NAMES + 3, TASKS = 6 };
+enum {
+    N_NAMES = sizeof names / sizeof *names,
+    SHARED = N_NAMES,
+    FEW = 4, // more of brute force's best
+    RIVALS = N_NAMES + 1 + FEW + 2,
+    TASKS = sizeof tasks / sizeof *tasks
+};
 
 typedef struct rival {
     const char *name;
@@ -51,10 +59,9 @@ static bool launch_alone(void *context, const duet_plan *plan, bool staged, meas
 }
 
 // As duet_tune_run does, of such launches.
-static bool find_plan(subject *s, rival *r, duet_error *err)
+static bool find_plan(subject *s, rival *r, trial_log *log, duet_error *err)
 {
     const duet_plan usual = duet_default_plan(s->pair);
-    trial_log log = {0};
     const tune_problem problem = {
         .def = s->def,
         .machine = {.context = s,
@@ -68,14 +75,13 @@ static bool find_plan(subject *s, rival *r, duet_error *err)
         .least_share = tune_least_share(s->units),
     };
     uint64_t begun = clock_steady_ns();
-    bool ok = tune_run(&problem, &log, &r->found, err);
+    bool ok = tune_run(&problem, log, &r->found, err);
     r->found.seconds = (double)(clock_steady_ns() - begun) * 1e-9;
     r->plan = r->found.plan;
-    trial_log_free(&log);
     return ok;
 }
 
-static bool tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r,
+static bool tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r, trial_log *log,
                  const bench_options *options, duet_error *err)
 {
     subject s = {0};
@@ -88,22 +94,48 @@ static bool tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r,
     def.seed = options->seed;
     def.repeats = r->name == names[0] ? 1 : 3;
     subject_complete(&def);
-    bool ok = subject_prepare(&s, &def, pair, cores, err) && find_plan(&s, r, err);
+    bool ok = subject_prepare(&s, &def, pair, cores, err) && find_plan(&s, r, log, err);
     subject_release(&s);
     return ok;
 }
 
-// A is the share of a plan; a verdict that was not sure uses one device, though sharing may be
-// faster.
-static void add_plans(rival *rivals)
+// ---------------------------------------------------------------- rivals
+
+static bool is_rival(const rival *rivals, uint32_t n, const duet_plan *plan)
 {
-    rival *more = rivals + N_NAMES;
-    more[0] = (rival){.name = "shared", .plan = rivals[0].found.best};
-    more[1] = (rival){.name = "A alone", .plan = rivals[1].plan};
-    more[2] = (rival){.name = "B alone", .plan = rivals[1].plan};
-    more[1].plan.share = DUET_SHARE_ONE;
-    more[2].plan.share = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        if (trial_log_same_plan(&rivals[i].plan, plan))
+            return true;
+    return false;
 }
+
+// The plan of the quickest launch that is none of the rivals' yet.
+static const duet_plan *next_best(const trial_log *log, const rival *rivals, uint32_t n)
+{
+    const trial_log_entry *best = NULL;
+    for (uint32_t i = 0; i < log->n; ++i) {
+        const trial_log_entry *e = &log->entries[i];
+        if (e->usable && (!best || e->sample.total_ns < best->sample.total_ns) &&
+            !is_rival(rivals, n, &e->plan))
+            best = e;
+    }
+    return best ? &best->plan : &rivals[0].plan;
+}
+
+// A verdict that was not sure uses one device, though sharing may be faster.
+static void add_plans(rival *rivals, const trial_log *brute)
+{
+    uint32_t n = SHARED;
+    rivals[n++] = (rival){.name = "shared", .plan = rivals[0].found.best};
+    for (int i = 0; i < FEW; ++i, ++n)
+        rivals[n] = (rival){.name = "next best", .plan = *next_best(brute, rivals, n)};
+    for (uint32_t a = 0; a < 2; ++a, ++n) {
+        rivals[n] = (rival){.name = a ? "A alone" : "B alone", .plan = rivals[1].plan};
+        rivals[n].plan.share = a * DUET_SHARE_ONE;
+    }
+}
+
+// ---------------------------------------------------------------- race
 
 // One launch to warm up, for the plan before had other kernels, and one that counts.
 static bool launch_twice(subject *s, const duet_plan *plan, double *ms, duet_error *err)
@@ -133,18 +165,37 @@ static bool race_all(duet_device_pair *pair, task *t, core_watch *cores, rival *
     return ok;
 }
 
+// ---------------------------------------------------------------- table
+
+// Of brute force's plans, that with the least median.
+static const rival *best_of_brute(const rival *rivals, uint32_t runs)
+{
+    const rival *best = &rivals[0];
+    for (int i = SHARED; i < SHARED + 1 + FEW; ++i)
+        if (stats_median(rivals[i].ms, runs) < stats_median(best->ms, runs))
+            best = &rivals[i];
+    return best;
+}
+
+static void print_rival(const task *t, const rival *r, const rival *best, uint32_t runs,
+                        uint32_t all)
+{
+    double ratios[SERIES_ROOM];
+    for (uint32_t i = 0; i < runs; ++i)
+        ratios[i] = r->ms[i] / best->ms[i];
+    stats_interval in = stats_median_interval(ratios, runs, 0.95);
+    printf("| %-13s | %9llu | %-9s | %6u | %5.1f %% | %7.1f | %.4f | %9.4f ms | %+6.1f %% | "
+           "%+6.1f to %+6.1f | %s, %s |\n",
+           t->name, (unsigned long long)t->items, r->name, r->found.trials,
+           100.0 * r->found.trials / all, r->found.seconds, r->plan.share / (double)DUET_SHARE_ONE,
+           stats_median(r->ms, runs), 100 * (stats_median(ratios, runs) - 1), 100 * (in.low - 1),
+           100 * (in.high - 1), r->plan.variant_a, r->plan.variant_b);
+}
+
 static void print(const task *t, const rival *rivals, uint32_t runs)
 {
-    double best = fmin(stats_median(rivals[0].ms, runs), stats_median(rivals[N_NAMES].ms, runs));
-    for (int i = 0; i < RIVALS; ++i) {
-        const rival *r = &rivals[i];
-        const duet_tune_outcome *o = &r->found;
-        double ms = stats_median(r->ms, runs);
-        printf("| %-13s | %-9s | %6u | %5.1f %% | %8.1f | %.4f | %9.4f ms | %+6.1f %% | %s, %s |\n",
-               t->name, r->name, o->trials, 100.0 * o->trials / rivals[0].found.trials, o->seconds,
-               r->plan.share / (double)DUET_SHARE_ONE, ms, 100 * (ms / best - 1), r->plan.variant_a,
-               r->plan.variant_b);
-    }
+    for (int i = 0; i < RIVALS; ++i)
+        print_rival(t, &rivals[i], best_of_brute(rivals, runs), runs, rivals[0].found.trials);
     fflush(stdout);
 }
 
@@ -154,15 +205,18 @@ static bool compare(duet_device_pair *pair, task *t, const bench_options *option
     if (!rivals)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for plans");
     core_watch *cores = core_watch_open();
+    trial_log logs[N_NAMES] = {0};
     bool ok = true;
     for (int i = 0; ok && i < N_NAMES; ++i) {
         rivals[i].name = names[i];
-        ok = tune(pair, t, cores, &rivals[i], options, err);
+        ok = tune(pair, t, cores, &rivals[i], &logs[i], options, err);
     }
-    add_plans(rivals);
+    add_plans(rivals, &logs[0]);
     ok = ok && race_all(pair, t, cores, rivals, options->runs, err);
     if (ok)
         print(t, rivals, options->runs);
+    for (int i = 0; i < N_NAMES; ++i)
+        trial_log_free(&logs[i]);
     core_watch_close(cores);
     free(rivals);
     return ok;
@@ -171,8 +225,9 @@ static bool compare(duet_device_pair *pair, task *t, const bench_options *option
 static bool run_task(const bench_options *options, const char *folder, int i, duet_error *err)
 {
     char path[600], n[16];
-    double part = options->n > 0 ? options->n / tasks[0].n : 1;
-    snprintf(n, sizeof n, "%.0f", ceil(tasks[i].n * pow(part, 1 / tasks[i].power)));
+    double part = options->n > 0 ? options->n / (options->task ? tasks[i].n : tasks[0].n) : 1;
+    snprintf(n, sizeof n, "%.0f",
+             ceil(tasks[i].n * pow(part, options->task ? 1 : 1 / tasks[i].power)));
     const duet_setting setting = {"n", n};
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = folder;
@@ -190,12 +245,16 @@ static bool run_task(const bench_options *options, const char *folder, int i, du
 bool bench_tasks(const bench_options *options, duet_error *err)
 {
     const char *folder = getenv("DUET_TASKS");
-    printf("| task          | strategy  | trials | of all  | seconds  | share  | a launch     | to "
-           "brute | kernels of A, B |\n"
-           "|---------------|-----------|--------|---------|----------|--------|--------------|----"
-           "------|-----------------|\n");
-    bool ok = true;
-    for (int i = 0; ok && i < TASKS; ++i)
+    printf("| task | items | strategy | trials | of all | seconds | share | a launch | to brute | "
+           "95 %% "
+           "| kernels of A, B |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+    bool ok = true, any = false;
+    for (int i = 0; ok && i < TASKS; ++i) {
+        if (options->task && strcmp(options->task, tasks[i].name) != 0)
+            continue;
+        any = true;
         ok = run_task(options, folder ? folder : DUET_EXAMPLE_TASKS, i, err);
-    return ok;
+    }
+    return ok && (any || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                   "task '%s': there is no such example", options->task));
 }

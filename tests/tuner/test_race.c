@@ -155,6 +155,40 @@ TEST(a_clear_loser_drops_out_early)
 
 // In most rounds 1 is ahead, though its times have the larger median: what is
 // slow for a while is slow for all.
+TEST(whom_the_others_are_measured_by_stays)
+{
+    const double ns[] = {1500, 1000, 1300};
+    rng random = rng_seed(test_seed());
+    const race_options options = {
+        .least_rounds = 14, .most_rounds = 40, .confidence = 0.99, .dropped = 1.03, .stay = 1};
+    race r = race_begin(3, &options);
+    run(&r, ns, 0.02, &random);
+    assert_true(r.rivals[2].out && r.rivals[2].rounds < 40);
+    assert_true(!r.rivals[0].out && r.rivals[0].rounds == 40);
+}
+
+// A gain of 90 % need not be known as well as one of 2 %.
+TEST(a_race_that_is_far_from_a_tie_ends_sooner)
+{
+    enum { RACES = 50 };
+    rng random = rng_seed(test_seed());
+    const double slower[] = {1020, 1900};
+    uint32_t rounds[2] = {0};
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; i < RACES; ++i) {
+            const double ns[] = {slower[k], 1000};
+            const race_options options = {.least_rounds = 14,
+                                          .most_rounds = 40,
+                                          .confidence = 0.99,
+                                          .dropped = INFINITY,
+                                          .margin = 0.03};
+            race r = race_begin(2, &options);
+            run(&r, ns, 0.05, &random);
+            rounds[k] += r.rivals[0].rounds;
+        }
+    assert_true(rounds[0] > 35 * RACES && rounds[1] < 25 * RACES);
+}
+
 TEST(the_best_is_who_is_ahead_in_most_rounds)
 {
     race r = race_begin(2, NULL);
