@@ -161,36 +161,20 @@ static int push_loaded(lua_State *L, bool ok, const duet_profile *profile, const
     return 1;
 }
 
-// world:load_profile(path)
-static int world_load_profile(lua_State *L)
-{
-    duet_error err = {0};
-    duet_profile profile;
-    world_box *box = world_check(L, 1);
-    const char *path = check_store(L, 2);
-    return push_loaded(L, duet_world_load_profile(box->world, path, &profile, &err), &profile,
-                       &err);
-}
-
-// motion:load_profile(path)
-static int motion_load_profile(lua_State *L)
-{
-    duet_error err = {0};
-    duet_profile profile;
-    duet_motion *motion = motion_check_lua(L);
-    const char *path = check_store(L, 2);
-    return push_loaded(L, duet_motion_load_profile(motion, path, &profile, &err), &profile, &err);
-}
-
-// task:load_profile(path)
-static int task_load_profile(lua_State *L)
-{
-    duet_error err = {0};
-    duet_profile profile;
-    duet_task *task = task_check_lua(L, 1);
-    const char *path = check_store(L, 2);
-    return push_loaded(L, duet_task_load_profile(task, path, &profile, &err), &profile, &err);
-}
+// world:load_profile(path), and the same of a motion and of a task.
+#define LOAD_PROFILE(what, type, object)                               \
+    static int what##_load_profile(lua_State *L)                       \
+    {                                                                  \
+        duet_error err = {0};                                          \
+        duet_profile profile;                                          \
+        type *o = object;                                              \
+        const char *path = check_store(L, 2);                          \
+        bool ok = duet_##what##_load_profile(o, path, &profile, &err); \
+        return push_loaded(L, ok, &profile, &err);                     \
+    }
+LOAD_PROFILE(world, duet_world, world_check(L, 1)->world)
+LOAD_PROFILE(motion, duet_motion, motion_check_lua(L))
+LOAD_PROFILE(task, duet_task, task_check_lua(L, 1))
 
 // tree:load_profile(query, n, path)
 static int tree_load_profile(lua_State *L)
