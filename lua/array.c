@@ -135,49 +135,43 @@ static lua_Integer take_whole(lua_State *L, const array *a, uint64_t i, int colu
     return value;
 }
 
-static void take_number(lua_State *L, const array *a, uint64_t i, int column, bool is_double)
+static lua_Number take_number(lua_State *L, const array *a, uint64_t i, int column)
 {
     int is_number = 0;
     lua_Number value = lua_tonumberx(L, -1, &is_number);
     if (!is_number)
         refuse_value(L, a, i, column, "a number");
-    if (is_double)
-        *(double *)column_at(a, i, column) = value;
-    else
-        *(float *)column_at(a, i, column) = (float)value;
+    return value;
 }
+
+// Columns of whole numbers: the letter, its type, and what a value must be.
+#define WHOLE_COLUMNS(X)                                                         \
+    X('i', int32_t, INT32_MIN, INT32_MAX, "a whole number of 32 bits")           \
+    X('I', uint32_t, 0, UINT32_MAX, "a whole number from 0 to 2^32 - 1")         \
+    X('h', int16_t, INT16_MIN, INT16_MAX, "a whole number from -32768 to 32767") \
+    X('Q', uint64_t, LUA_MININTEGER, LUA_MAXINTEGER, "a whole number")           \
+    X('C', uint8_t, 0, UINT8_MAX, "a whole number from 0 to 255")
 
 // Writes the value on top of the stack into a row's column, and pops it.
 static void take_column(lua_State *L, const array *a, uint64_t i, int column)
 {
+    void *to = column_at(a, i, column);
     switch (kinds[a->kind].columns[column]) {
-    case 'i':
-        *(int32_t *)column_at(a, i, column) =
-            (int32_t)take_whole(L, a, i, column, INT32_MIN, INT32_MAX, "a whole number of 32 bits");
+#define TAKE(letter, type, least, most, wanted)                               \
+    case letter:                                                              \
+        *(type *)to = (type)take_whole(L, a, i, column, least, most, wanted); \
         break;
-    case 'I':
-        *(uint32_t *)column_at(a, i, column) = (uint32_t)take_whole(
-            L, a, i, column, 0, UINT32_MAX, "a whole number from 0 to 2^32 - 1");
-        break;
-    case 'h':
-        *(int16_t *)column_at(a, i, column) = (int16_t)take_whole(
-            L, a, i, column, INT16_MIN, INT16_MAX, "a whole number from -32768 to 32767");
-        break;
-    case 'Q':
-        *(uint64_t *)column_at(a, i, column) =
-            (uint64_t)take_whole(L, a, i, column, LUA_MININTEGER, LUA_MAXINTEGER, "a whole number");
-        break;
-    case 'C':
-        *(uint8_t *)column_at(a, i, column) =
-            (uint8_t)take_whole(L, a, i, column, 0, UINT8_MAX, "a whole number from 0 to 255");
-        break;
+        WHOLE_COLUMNS(TAKE)
     case 'B':
         if (!lua_isboolean(L, -1))
             refuse_value(L, a, i, column, "true or false");
-        *(bool *)column_at(a, i, column) = lua_toboolean(L, -1);
+        *(bool *)to = lua_toboolean(L, -1);
+        break;
+    case 'd':
+        *(double *)to = take_number(L, a, i, column);
         break;
     default:
-        take_number(L, a, i, column, kinds[a->kind].columns[column] == 'd');
+        *(float *)to = (float)take_number(L, a, i, column);
     }
     lua_pop(L, 1);
 }
@@ -345,21 +339,11 @@ static void push_column(lua_State *L, const array *a, uint64_t i, int column)
 {
     const void *at = column_at(a, i, column);
     switch (kinds[a->kind].columns[column]) {
-    case 'i':
-        lua_pushinteger(L, *(const int32_t *)at);
+#define PUSH(letter, type, least, most, wanted)               \
+    case letter:                                              \
+        lua_pushinteger(L, (lua_Integer) * (const type *)at); \
         break;
-    case 'I':
-        lua_pushinteger(L, *(const uint32_t *)at);
-        break;
-    case 'h':
-        lua_pushinteger(L, *(const int16_t *)at);
-        break;
-    case 'Q':
-        lua_pushinteger(L, (lua_Integer) * (const uint64_t *)at);
-        break;
-    case 'C':
-        lua_pushinteger(L, *(const uint8_t *)at);
-        break;
+        WHOLE_COLUMNS(PUSH)
     case 'B':
         lua_pushboolean(L, *(const bool *)at);
         break;
