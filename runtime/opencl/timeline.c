@@ -1,16 +1,188 @@
 // SPDX-License-Identifier: MIT
-// The commands of a timeline.
+// The commands that a timeline sends, and how the host waits for them.
 #include "runtime/opencl/timeline.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 
 #include <assert.h>
+#include <sched.h>
+#include <string.h>
+
+// ---------------------------------------------------------------- under way
+
+void timeline_begin(timeline *t, const device *d, bool timed)
+{
+    if (t->n_events > 0)
+        timeline_clear(t);
+    t->lost = CL_SUCCESS;
+    t->device = d;
+    t->untimed = !timed;
+    t->n_launches = t->n_waits = 0;
+    if (!timed)
+        return;
+    t->n_stages = 0;
+    t->first_begin = t->last_end = 0;
+    t->begun_ns = clock_steady_ns();
+    t->n_tied = 0;
+}
+
+void timeline_begin_step(timeline *t, const device *d, uint64_t step)
+{
+    timeline_begin(t, d,
+                   d->info.host_memory || t->n_stages == 0 || step % TIMELINE_TIMED_EVERY == 0);
+}
+
+static bool went_well(const timeline *t, cl_int code, const char *doing, duet_error *err)
+{
+    return code == CL_SUCCESS || error_set_cl(err, code, "%s: %s", t->device->info.selector, doing);
+}
+
+static bool moved(const timeline *t, cl_int code, const char *doing, size_t bytes, duet_error *err)
+{
+    return code == CL_SUCCESS ||
+           error_set_cl(err, code, "%s: %s %zu bytes", t->device->info.selector, doing, bytes);
+}
+
+static void release(cl_event event)
+{
+    clReleaseEvent(event);
+    device_object_gone();
+}
+
+// Waits for the queue once the list is full, so that any number fits.
+static bool keep(timeline *t, const char *stage, bool transfer, cl_event event, duet_error *err)
+{
+    int at = t->untimed ? 0 : timeline_stage(t, stage, transfer);
+    device_object_made();
+    if (t->sent == SENT_SEEN)
+        t->sent = SENT_TOLD;
+    if (t->n_events == TIMELINE_EVENTS && !timeline_finish(t, err)) {
+        release(event);
+        return false;
+    }
+    t->events[t->n_events].stage = at;
+    t->events[t->n_events].event = event;
+    t->events[t->n_events].sent_ns = t->untimed ? 0 : clock_steady_ns();
+    ++t->n_events;
+    return true;
+}
+
+cl_event timeline_last_event(const timeline *t)
+{
+    return t->n_events > 0 ? t->events[t->n_events - 1].event : NULL;
+}
+
+// Below 0 where the command failed, or where the device does not say.
+static cl_int state_of(timeline *t, cl_event event)
+{
+    cl_int state = CL_COMPLETE;
+    cl_int code =
+        clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL);
+    if (code != CL_SUCCESS)
+        t->lost = state = code;
+    return state;
+}
+
+// A command that failed is over too; finishing tells.
+bool timeline_is_over(timeline *t, cl_event event)
+{
+    return state_of(t, event) <= CL_COMPLETE;
+}
+
+void timeline_spin(timeline *t, cl_event event)
+{
+    while (!timeline_is_over(t, event))
+        sched_yield();
+}
+
+bool timeline_flush(timeline *t, duet_error *err)
+{
+    return went_well(t, clFlush(t->device->queue), "flush", err);
+}
+
+// Both, though one fails: nothing may be under way that reads memory of the host.
+static cl_int finish_queues(timeline *t)
+{
+    cl_int code = clFinish(t->device->queue);
+    cl_int beside = t->beside ? clFinish(t->device->beside) : CL_SUCCESS;
+    t->beside = false;
+    return code != CL_SUCCESS ? code : beside;
+}
+
+// Adds up and releases the first n events, which are over.
+static cl_int collect(timeline *t, int n)
+{
+    cl_int code = CL_SUCCESS;
+    if (!t->untimed)
+        timeline_add_times(t, n);
+    for (int i = 0; i < n; ++i) {
+        cl_int state = state_of(t, t->events[i].event);
+        code = state < 0 ? state : code;
+        release(t->events[i].event);
+    }
+    t->n_events -= n;
+    memmove(t->events, t->events + n, (size_t)t->n_events * sizeof t->events[0]);
+    return code != CL_SUCCESS ? code : t->lost;
+}
+
+bool timeline_collect_to(timeline *t, cl_event last, duet_error *err)
+{
+    int n = 0;
+    while (n < t->n_events && t->events[n].event != last)
+        ++n;
+    return n == t->n_events || went_well(t, collect(t, n + 1), "running the step", err);
+}
+
+// A command without an event is over when a marker behind it is.
+static cl_int mark_end(timeline *t, duet_error *err)
+{
+    cl_event event = NULL;
+    cl_int code = clEnqueueMarkerWithWaitList(t->device->queue, 0, NULL, &event);
+    if (code == CL_SUCCESS)
+        keep(t, "end", true, event, err);
+    return code;
+}
+
+bool timeline_finish(timeline *t, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    if (t->untimed && t->sent == SENT_UNTOLD && t->n_events < TIMELINE_EVENTS)
+        code = mark_end(t, err);
+    if (t->sent == SENT_UNTOLD)
+        t->sent = SENT_TOLD;
+    if (code == CL_SUCCESS && t->n_events > 0 && !t->device->info.host_memory) {
+        code = clFlush(t->device->queue);
+        if (code == CL_SUCCESS)
+            timeline_spin(t, timeline_last_event(t));
+    }
+    cl_int finished = t->sent == SENT_SEEN && !t->beside ? CL_SUCCESS : finish_queues(t);
+    code = code != CL_SUCCESS ? code : finished;
+    if (code == CL_SUCCESS)
+        code = collect(t, t->n_events);
+    timeline_clear(t);
+    return went_well(t, code, "running the step", err);
+}
+
+void timeline_clear(timeline *t)
+{
+    if (t->n_events > 0 || t->sent == SENT_UNTOLD)
+        finish_queues(t);
+    for (int i = 0; i < t->n_events; ++i)
+        release(t->events[i].event);
+    t->n_events = 0;
+    if (t->sent == SENT_UNTOLD)
+        t->sent = SENT_TOLD;
+    t->lost = CL_SUCCESS;
+}
+
+// ---------------------------------------------------------------- commands
 
 // Keeps a launch or a fill; event is NULL in an untimed step.
 static bool keep_command(timeline *t, const char *stage, cl_event event, duet_error *err)
 {
     t->sent = SENT_UNTOLD;
-    return !event || timeline_keep(t, stage, false, event, err);
+    return !event || keep(t, stage, false, event, err);
 }
 
 static bool set_args(const kernel *k, const void *values, const device *d, duet_error *err)
@@ -63,9 +235,7 @@ bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, si
     cl_int code =
         clEnqueueFillBuffer(t->device->queue, b->mem, &value, sizeof value, from * sizeof value,
                             (to - from) * sizeof value, 0, NULL, t->untimed ? NULL : &event);
-    if (code != CL_SUCCESS)
-        return error_set_cl(err, code, "%s: filling a buffer", t->device->info.selector);
-    return keep_command(t, stage, event, err);
+    return went_well(t, code, "filling a buffer", err) && keep_command(t, stage, event, err);
 }
 
 // If kernels work in place, the host sees all once the queue is empty.
@@ -73,8 +243,7 @@ static bool await_queue(timeline *t, duet_error *err)
 {
     cl_int code = clFinish(t->device->queue);
     t->sent = code == CL_SUCCESS ? SENT_SEEN : SENT_UNTOLD;
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: running the step", t->device->info.selector);
+    return went_well(t, code, "running the step", err);
 }
 
 // Hands wrapped host memory from one side to the other without moving it. A wait here costs a
@@ -91,8 +260,7 @@ static bool hand_over(timeline *t, buffer *b, cl_map_flags flags, size_t bytes, 
         clEnqueueMapBuffer(t->device->queue, b->mem, wait, flags, 0, bytes, 0, NULL, NULL, &code);
     if (seen)
         code = clEnqueueUnmapMemObject(t->device->queue, b->mem, seen, 0, NULL, NULL);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: mapping %zu bytes", t->device->info.selector, bytes);
+    return moved(t, code, "mapping", bytes, err);
 }
 
 bool timeline_write(timeline *t, const char *stage, buffer *b, const void *from, size_t bytes,
@@ -112,9 +280,7 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
     cl_event event = NULL;
     cl_int code =
         clEnqueueWriteBuffer(t->device->queue, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
-    if (code != CL_SUCCESS)
-        return error_set_cl(err, code, "%s: sending %zu bytes", t->device->info.selector, bytes);
-    return timeline_keep(t, stage, true, event, err);
+    return moved(t, code, "sending", bytes, err) && keep(t, stage, true, event, err);
 }
 
 // Keeps the event of a command on the queue beside, which begins at once.
@@ -124,10 +290,7 @@ static bool keep_beside(timeline *t, const char *stage, cl_event event, cl_int c
     if (code == CL_SUCCESS)
         code = clFlush(t->device->beside);
     t->beside = true;
-    if (event && !timeline_keep(t, stage, true, event, err))
-        return false;
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: %s %zu bytes", t->device->info.selector, doing, bytes);
+    return (!event || keep(t, stage, true, event, err)) && moved(t, code, doing, bytes, err);
 }
 
 bool timeline_write_beside(timeline *t, const char *stage, buffer *b, size_t at, const void *from,
@@ -151,8 +314,7 @@ bool timeline_read_beside(timeline *t, const char *stage, buffer *b, void *to, s
 bool timeline_follow(timeline *t, cl_event beside, duet_error *err)
 {
     cl_int code = clEnqueueBarrierWithWaitList(t->device->queue, 1, &beside, NULL);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: waiting for what was sent", t->device->info.selector);
+    return went_well(t, code, "waiting for what was sent", err);
 }
 
 static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
@@ -166,11 +328,11 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
     cl_event event = NULL;
     cl_int code =
         clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);
-    if (code != CL_SUCCESS)
-        return error_set_cl(err, code, "%s: fetching %zu bytes", t->device->info.selector, bytes);
+    if (!moved(t, code, "fetching", bytes, err))
+        return false;
     if (wait)
         t->sent = SENT_TOLD;
-    return timeline_keep(t, stage, true, event, err);
+    return keep(t, stage, true, event, err);
 }
 
 bool timeline_read(timeline *t, const char *stage, buffer *b, void *to, size_t bytes,
@@ -214,10 +376,9 @@ bool timeline_see(timeline *t, const char *stage, const buffer *const list[], in
                   : CL_SUCCESS;
         code = code == CL_SUCCESS ? given : code;
     }
-    bool kept = !event || timeline_keep(t, stage, true, event, err);
+    bool kept = !event || keep(t, stage, true, event, err);
     if (code == CL_SUCCESS)
         code = clFlush(t->device->queue);
     t->sent = code == CL_SUCCESS ? SENT_SEEN : SENT_UNTOLD;
-    return kept && (code == CL_SUCCESS ||
-                    error_set_cl(err, code, "%s: seeing what was found", t->device->info.selector));
+    return kept && went_well(t, code, "seeing what was found", err);
 }

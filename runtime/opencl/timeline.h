@@ -105,9 +105,6 @@ bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, v
 bool timeline_see(timeline *t, const char *stage, const buffer *const list[], int n,
                   duet_error *err);
 
-// Keeps the event of a command that was sent; for timeline.c.
-bool timeline_keep(timeline *t, const char *stage, bool transfer, cl_event event, duet_error *err);
-
 // Returns the event of the last command in the queue; the timeline's until it finishes.
 cl_event timeline_last_event(const timeline *t);
 
@@ -135,6 +132,11 @@ double timeline_kernel_ms(const timeline *t);
 // Writes the stages behind the n of a list, as those of device A or B; returns how many it has
 // then.
 int timeline_list_stages(const timeline *t, int side, duet_stage *list, int n);
+
+// For timeline.c: the place of the stage of that name; adds to their stages the times of the first
+// n events, which are over.
+int timeline_stage(timeline *t, const char *name, bool transfer);
+void timeline_add_times(timeline *t, int n);
 
 // Waits for what a failed step left under way, and releases it.
 void timeline_clear(timeline *t);
