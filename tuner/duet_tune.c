@@ -326,40 +326,6 @@ static bool settle_level(tuning_resources *h, duet_error *err)
 
 // ---------------------------------------------------------------- measuring
 
-static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, duet_error *err)
-{
-    *outcome = (duet_tune_outcome){
-        .accuracy = {found->missed_rate, found->false_rate},
-        .true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0,
-        .gain = found->gain,
-        .gain_low = found->gain_low,
-        .gain_high = found->gain_high,
-        .step_ms = found->median_ns * 1e-6,
-        .step_low_ms = found->low_ns * 1e-6,
-        .step_high_ms = found->high_ns * 1e-6,
-        .rounds = found->rounds,
-        .watched = found->watched,
-        .disturbed = found->disturbed,
-        .single_ms = found->single_ns * 1e-6,
-        .whole_ms = found->whole_ns * 1e-6,
-        .whole_gain = found->whole_gain,
-        .whole_gain_low = found->whole_gain_low,
-        .whole_gain_high = found->whole_gain_high,
-        .known = true,
-    };
-    memcpy(outcome->verdict, found->verdict, sizeof outcome->verdict);
-    memcpy(outcome->uid, found->uid, sizeof found->uid);
-    memcpy(outcome->unused, found->unused, sizeof outcome->unused);
-    cJSON *terms = cJSON_ParseWithOpts(found->terms, NULL, true);
-    terms_from_json(terms, &outcome->terms);
-    cJSON_Delete(terms);
-    profile_plan best = found->plan;
-    best.share = found->best_share;
-    memcpy(best.mode, found->best_mode, sizeof best.mode);
-    return profile_subject_read_plan(&found->plan, &outcome->plan, err) &&
-           profile_subject_read_plan(&best, &outcome->best, err);
-}
-
 // Finds "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false if A and B are not parts of one device,
 // and no motion is tuned: its state is on one device, and A may be the better one for it.
 static bool find_whole(const duet_device_pair *pair, bool moves, char selector[80])
@@ -412,11 +378,6 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     return ok;
 }
 
-static core_others look_at_others(void *cores)
-{
-    return core_watch_others(cores);
-}
-
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
@@ -431,7 +392,6 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     tune_problem problem = {
         .def = &h->def,
         .machine = subject_machine(s, h->hash),
-        .others = {h->cores, look_at_others},
         .meter = h->meter,
         .one_device = s->one_device,
         .plan = s->plan,
@@ -490,7 +450,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
     if (ok && h.record.store)
         ok = profile_lookup(h.record.store, &h.record.request, &found, NULL, err);
     if (ok && known.grade == PROFILE_EXACT)
-        ok = tell_known(&known, outcome, err);
+        ok = record_tell(&known, outcome, err);
     else if (ok && h.record.store)
         ok = run_recorded(&h, &found, outcome, err);
     else if (ok)

@@ -54,15 +54,14 @@ bool mode_search_ask(tuning *t, search *s)
     return usable;
 }
 
-// near: a share to begin from, or NULL.
-static mode_found search_mode(tuning *t, duet_mode mode, const uint32_t *near)
+// near: a share to begin from; 0: none is known.
+static mode_found search_mode(tuning *t, duet_mode mode, uint32_t near)
 {
     search s;
     const joint_space share_alone = {.base = tuning_plan(t, 0, mode)};
     search_options options = search_default_options();
     options.quantum = t->problem->least_share;
-    options.has_start = near;
-    options.start = near ? *near : 0;
+    options.start = near;
     mode_found found = {.mode = mode, .a_alone_ns = INFINITY, .b_alone_ns = INFINITY};
     if (!search_begin(&s, t->problem->def->strategy, &options, &t->why))
         return found;
@@ -107,13 +106,13 @@ static uint32_t list_modes(const tuning *t, duet_mode modes[MOST_MODES])
 void mode_search_run(tuning *t)
 {
     duet_mode modes[MOST_MODES];
-    const uint32_t *near = t->problem->start ? &t->problem->start : NULL;
+    uint32_t near = t->problem->start;
     const double from = t->problem->def->search ? KERNELS_END : VARIANTS_END;
     t->n_founds = t->problem->one_device ? 0 : list_modes(t, modes);
     t->stage = "share";
     for (uint32_t i = 0; i < t->n_founds; ++i) {
         t->stage_end = from + (SEARCH_END - from) * (i + 1) / t->n_founds;
         t->founds[i] = search_mode(t, modes[i], near);
-        near = t->founds[i].usable ? &t->founds[i].share : near;
+        near = t->founds[i].usable ? t->founds[i].share : near;
     }
 }

@@ -33,6 +33,9 @@ bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_
 // none has.
 bool record_known(record *r, const duet_tune_def *def, profile_found *found, duet_error *err);
 
+// Tells what it found as the outcome that the session had.
+bool record_tell(const profile_found *found, duet_tune_outcome *outcome, duet_error *err);
+
 // Takes up an interrupted session of the same tuning, whose log is then filled, or begins one.
 // STORE_FAILED if a living process tunes the workload.
 bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *resumed,

@@ -56,8 +56,6 @@ typedef struct tuning {
     duet_error failure;   // the first plan's that did not run
 } tuning;
 
-typedef trial_log_entry trial;
-
 // Whether the tuning has not stopped and the stage is within its part of the budget.
 bool tuning_goes_on(const tuning *t);
 

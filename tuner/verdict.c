@@ -51,7 +51,7 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
     double times[2][STATS_MOST];
     uint32_t n = 0;
     for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
-        const trial_log_entry *entry = &state->entries[i];
+        const trial *entry = &state->entries[i];
         if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
             continue;
         times[0][n] = (double)entry->sample.a_ns;
@@ -86,7 +86,7 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 {
     uint32_t trials = 0, disturbed = 0;
     for (uint32_t i = 0; i < t->state->played; ++i) {
-        const trial_log_entry *entry = &t->state->entries[i];
+        const trial *entry = &t->state->entries[i];
         bool counts = entry->usable && trial_log_same_plan(&entry->plan, plan);
         trials += counts;
         disturbed += counts && 2 * entry->disturbed > entry->launches;

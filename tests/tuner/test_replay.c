@@ -59,14 +59,14 @@ static void record_invented(store *s)
         if (i == LEFT_OUT)
             continue;
         profile_sample samples[4];
-        profile_trial trial = test_trial(INVENTED, i / (double)POINTS, samples, 4);
+        profile_trial row = test_trial(INVENTED, i / (double)POINTS, samples, 4);
         for (int k = 1; k < 4; ++k) {
             double longer = 1 + SPREAD * (k - 1);
             samples[k].total_ns = llround((double)samples[0].total_ns * longer);
             samples[k].a_ns = llround((double)samples[0].a_ns * longer);
             samples[k].b_ns = llround((double)samples[0].b_ns * longer);
         }
-        must(profile_trial_add(s, id, &trial, NULL, &number, ERR));
+        must(profile_trial_add(s, id, &row, NULL, &number, ERR));
     }
 }
 
@@ -180,16 +180,16 @@ static double joint_ns(double share, int a, int b)
 static void record_plan(store *s, const char *session, double share, int a, int b)
 {
     profile_sample samples[3];
-    profile_trial trial = test_trial(INVENTED, share, samples, 3);
+    profile_trial row = test_trial(INVENTED, share, samples, 3);
     int64_t number;
     for (int k = 0; k < 3; ++k) {
         samples[k].total_ns = llround(joint_ns(share, a, b));
         samples[k].a_ns = llround(joint_ns(share, a, b) * (share > 0));
         samples[k].b_ns = llround(joint_ns(share, a, b) * (share < 1));
     }
-    strcpy(trial.plan.variant_a, kernels[a].variant);
-    strcpy(trial.plan.variant_b, kernels[b].variant);
-    must(profile_trial_add(s, session, &trial, NULL, &number, ERR));
+    strcpy(row.plan.variant_a, kernels[a].variant);
+    strcpy(row.plan.variant_b, kernels[b].variant);
+    must(profile_trial_add(s, session, &row, NULL, &number, ERR));
 }
 
 // Keeps what brute force would have: every config of both devices at each share of a grid.
