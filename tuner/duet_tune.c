@@ -286,15 +286,17 @@ static bool find_level_costs(tuning_resources *h, profile_level_cost *list, uint
     if (!h->record.store)
         return measure_level_costs(h, list, n, &cores, err);
     profile_request request = profile_subject_request(&h->profile);
-    if (!record_aim(&h->record, &request, err) ||
-        (!h->def.fresh && !record_level_costs(&h->record, list, n, err)))
+    if (!record_aim(&h->record, &request, err))
+        return false;
+    profile_level_cost_key key = record_cost_key(&h->record);
+    if (!h->def.fresh && !profile_level_costs_get(h->record.store, &key, list, n, err))
         return false;
     if (*n > 0)
         return true;
     if (!measure_level_costs(h, list, n, &cores, err))
         return false;
     bool keeps = h->def.wait_seconds == 0 || 2 * cores.disturbed <= cores.launches;
-    return !keeps || record_keep_level_costs(&h->record, list, *n, err);
+    return !keeps || profile_level_costs_put(h->record.store, &key, list, *n, err);
 }
 
 static bool choose_level(tuning_resources *h, duet_error *err)

@@ -42,22 +42,9 @@ void record_close(record *r)
     r->store = NULL;
 }
 
-static profile_level_cost_key cost_key(const record *r)
+profile_level_cost_key record_cost_key(const record *r)
 {
     return (profile_level_cost_key){r->pair_id, r->workload_id, r->request.kernels};
-}
-
-bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err)
-{
-    profile_level_cost_key key = cost_key(r);
-    return profile_level_costs_get(r->store, &key, costs, n, err);
-}
-
-bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
-                             duet_error *err)
-{
-    profile_level_cost_key key = cost_key(r);
-    return profile_level_costs_put(r->store, &key, costs, n, err);
 }
 
 // ---------------------------------------------------------------- session

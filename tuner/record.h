@@ -24,10 +24,8 @@ bool record_open(record *r, const char *path, duet_error *err);
 bool record_aim(record *r, const profile_request *request, duet_error *err);
 void record_close(record *r);
 
-// Reads the table of level costs of that workload; n is 0 if the store has none.
-bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err);
-bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
-                             duet_error *err);
+// The key of the table of level costs of that workload.
+profile_level_cost_key record_cost_key(const record *r);
 
 // Finds what a session that asked the same has found before, live or not; its grade is default if
 // none has.

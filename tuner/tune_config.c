@@ -4,6 +4,7 @@
 #include "base/text_file.h"
 #include "gen/field.h"
 #include "gen/sandbox.h"
+#include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/shipped.h"
 #include "tuner/strategy.h"
@@ -188,15 +189,9 @@ static void read_modes(lua_State *L, tune_config *c)
 {
     const char *names[CONFIG_MODES];
     c->def.n_modes = read_list(L, "modes", names, CONFIG_MODES);
-    for (uint32_t i = 0; i < c->def.n_modes; ++i) {
-        int mode = 0;
-        while (duet_mode_name((duet_mode)mode) &&
-               strcmp(duet_mode_name((duet_mode)mode), names[i]) != 0)
-            ++mode;
-        if (!duet_mode_name((duet_mode)mode))
+    for (uint32_t i = 0; i < c->def.n_modes; ++i)
+        if (!mode_from_name(names[i], &c->modes[i]))
             field_raise(L, "modes", "there is no mode '%s'", names[i]);
-        c->modes[i] = (duet_mode)mode;
-    }
 }
 
 // level = "sat6", or a list of levels that accuracy chooses from.

@@ -87,8 +87,10 @@ static profile_surface *open_surface(store *s, uint64_t n, replay *r)
 static replay_outcome run(replay *r, const char *name, uint64_t seed)
 {
     replay_outcome outcome;
-    replay_def def = {.strategy = name, .seed = seed};
-    must(replay_run(r, &def, &outcome, ERR));
+    duet_tune_def def = duet_default_tune_def();
+    def.strategy = name;
+    def.seed = seed;
+    must(replay_run(r, &def, NULL, &outcome, ERR));
     return outcome;
 }
 
@@ -276,14 +278,14 @@ TEST(a_strategy_for_a_share_alone_needs_another_surface)
     store *s = test_store_open(own.store, STORE_WRITE);
     record_joint(s);
     profile_surface *surface = open_joint(s, &r);
-    must_fail(replay_run(&r, &(replay_def){.strategy = "balance"}, &o, ERR),
+    must_fail(replay_run(&r, &(duet_tune_def){.strategy = "balance"}, NULL, &o, ERR),
               DUET_STATUS_BAD_ARGUMENT,
               "'balance' chooses a share alone; expected one for kernels");
     replay_close(&r);
     free(surface);
     store_close(s);
     surface = open_surface(recorded, 20000, &r);
-    must_fail(replay_run(&r, &(replay_def){.strategy = "random"}, &o, ERR),
+    must_fail(replay_run(&r, &(duet_tune_def){.strategy = "random"}, NULL, &o, ERR),
               DUET_STATUS_BAD_ARGUMENT, "'random' chooses kernels and share; expected one for a");
     replay_close(&r);
     free(surface);
