@@ -303,12 +303,20 @@ static scene_options options_of(const arguments *args, const config_workload *w)
     return scene;
 }
 
+// The command that runs the plan, which is added behind it; a query has none.
 static void begin_command(text *command, const arguments *args, const config_workload *w,
                           const duet_device_pair *pair)
 {
-    scene_options scene = options_of(args, w);
+    scene_options asked = options_of(args, w);
+    if (w->query)
+        return;
     text_add(command, "duet run");
-    command_text_scene(command, w->scene, &scene);
+    if (w->task) {
+        command_text_option(command, "task", w->task);
+        command_text_settings(command, &asked);
+    } else {
+        command_text_scene(command, w->scene, &asked);
+    }
     command_text_pair(command, pair);
     if (args->ordered)
         text_add(command, " --ordered");
@@ -341,46 +349,6 @@ static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
     def->n_variants = def->n_modes = 0;
 }
 
-static bool tune_workload(const arguments *args, const duet_tune_def *tuning,
-                          const config_workload *w, const duet_scene *scene, tune_report *report,
-                          duet_error *err)
-{
-    duet_tune_outcome outcome;
-    duet_tune_def with_query = *tuning, *def = &with_query;
-    text command = {0};
-    def->scene = scene;
-    aim_at(def, w, args->config);
-    tune_report_workload(report, duet_scene_get_info(scene), def);
-    if (!duet_tune_run(def, &outcome, err))
-        return false;
-    if (!def->query)
-        begin_command(&command, args, w, def->pair);
-    tune_report_add(report, &outcome, &command);
-    text_free(&command);
-    return true;
-}
-
-static bool tune_task(const arguments *args, const duet_tune_def *tuning, const config_workload *w,
-                      task *t, tune_report *report, duet_error *err)
-{
-    duet_tune_outcome outcome;
-    duet_tune_def def = *tuning;
-    scene_options asked = options_of(args, w);
-    text command = {0};
-    def.task = t;
-    aim_at(&def, w, args->config);
-    tune_report_task(report, t);
-    if (!duet_tune_run(&def, &outcome, err))
-        return false;
-    text_add(&command, "duet run");
-    command_text_option(&command, "task", w->task);
-    command_text_settings(&command, &asked);
-    command_text_pair(&command, def.pair);
-    tune_report_add(report, &outcome, &command);
-    text_free(&command);
-    return true;
-}
-
 static bool check_query(const config_workload *w, const duet_device_pair *pair, duet_error *err)
 {
     return !w->query || !duet_device_pair_is_one(pair) ||
@@ -401,24 +369,36 @@ static bool check_strategy(const arguments *args, const duet_device_pair *pair, 
                      args->strategy ? "" : "-lua", duet_device_pair_get_info(pair, 0)->selector);
 }
 
-static bool tune_scene(const arguments *args, const duet_tune_def *def, const config_workload *w,
-                       tune_report *report, duet_error *err)
+static bool tune_loaded(const arguments *args, duet_tune_def *def, const config_workload *w,
+                        tune_report *report, duet_error *err)
 {
-    scene_options asked = options_of(args, w);
-    duet_scene *scene = inputs_load_objects(w->scene, &asked, err);
-    bool ok = scene && check_query(w, def->pair, err) && put_in_order(def, scene, err) &&
-              tune_workload(args, def, w, scene, report, err);
-    duet_scene_destroy(scene);
-    return ok;
+    duet_tune_outcome outcome;
+    text command = {0};
+    aim_at(def, w, args->config);
+    if (def->task)
+        tune_report_task(report, def->task);
+    else
+        tune_report_workload(report, duet_scene_get_info(def->scene), def);
+    if (!duet_tune_run(def, &outcome, err))
+        return false;
+    begin_command(&command, args, w, def->pair);
+    tune_report_add(report, &outcome, &command);
+    text_free(&command);
+    return true;
 }
 
-static bool load_and_tune_task(const arguments *args, const duet_tune_def *def,
-                               const config_workload *w, tune_report *report, duet_error *err)
+static bool tune_workload(const arguments *args, const duet_tune_def *tuning,
+                          const config_workload *w, tune_report *report, duet_error *err)
 {
     scene_options asked = options_of(args, w);
-    task *t = inputs_load_task(w->task, &asked, err);
-    bool ok = t && tune_task(args, def, w, t, report, err);
-    task_destroy(t);
+    duet_tune_def def = *tuning;
+    duet_scene *scene = w->task ? NULL : inputs_load_objects(w->scene, &asked, err);
+    def.task = w->task ? inputs_load_task(w->task, &asked, err) : NULL;
+    def.scene = scene;
+    bool ok = (scene || def.task) && check_query(w, def.pair, err) &&
+              (!scene || put_in_order(&def, scene, err)) && tune_loaded(args, &def, w, report, err);
+    duet_scene_destroy(scene);
+    task_destroy(def.task);
     return ok;
 }
 
@@ -431,8 +411,7 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     if (ok)
         tune_report_expect(report, def.pair, config->n_workloads, config->def.budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i)
-        ok = (config->workloads[i].task ? load_and_tune_task : tune_scene)(
-            args, &def, &config->workloads[i], report, err);
+        ok = tune_workload(args, &def, &config->workloads[i], report, err);
     duet_device_pair_destroy(def.pair);
     return ok;
 }
