@@ -408,10 +408,12 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     if (h->record.store)
         problem.recorder = record_recorder(&h->record);
     bool looks = h->record.store && h->def.search && !h->def.fresh;
-    for (int device = 0; looks && device < 2; ++device)
-        if (!record_device_variant(&h->record, device, h->def.search, problem.searched[device],
-                                   err))
+    for (int device = 0; looks && device < 2; ++device) {
+        const profile_search before = {h->record.pair_id, device, h->record.workload_id,
+                                       h->record.request.kernels, h->def.search};
+        if (!profile_searched_variant(h->record.store, &before, problem.searched[device], err))
             return false;
+    }
     bool ok = tune_run(&problem, &h->state, outcome, err);
     outcome->accuracy = truth.accuracy;
     outcome->true_pairs = truth.pairs;

@@ -33,11 +33,11 @@ static bool ask_strategy(tuning *t, search *s)
         if (joint_space_plan(s->space, &next.at, &plan))
             got = tuning_run_trial(t, &plan);
         usable = got.usable;
-        search_sample told = got.sample;
-        told.share = next.at.share;
-        told.failed = !usable;
-        memcpy(told.configs, next.at.configs, sizeof told.configs);
-        if ((usable || joint) && !search_tell(s, &told, &t->why))
+        next.at.total_ns = got.sample.total_ns;
+        next.at.a_ns = got.sample.a_ns;
+        next.at.b_ns = got.sample.b_ns;
+        next.at.failed = !usable;
+        if ((usable || joint) && !search_tell(s, &next.at, &t->why))
             break;
     }
     return usable;
@@ -184,7 +184,7 @@ static duet_plan race_best_few(tuning *t, const search *h)
     }
     if (f.n == 0)
         return h->space->base;
-    field_race(t, &f, &finals, false, INFINITY);
+    field_race(t, &f, &finals);
     uint32_t winner = race_best(&f.race, 0, f.n);
     return f.plans[winner < f.n ? winner : 0];
 }
@@ -227,7 +227,6 @@ static void search_jointly(tuning *t, const strategy *by)
     search joint = {
         .strategy = by, .space = &s, .script = t->problem->script, .seed = t->problem->def->seed};
     joint.options.launches = count_samples(joint.strategy, &s);
-    t->search_known = true;
     t->search_trials = joint.options.launches + FINALISTS * finals.most_rounds;
     ask_strategy(t, &joint);
     uint64_t plans = joint_space_count(&s);

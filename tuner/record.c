@@ -68,14 +68,6 @@ static void write_options(const duet_tune_def *def, text *json)
     text_add(json, "}");
 }
 
-bool record_device_variant(const record *r, int device, const char *what,
-                           char variant[PROFILE_VARIANT], duet_error *err)
-{
-    return profile_searched_variant(
-        r->store, &(profile_search){r->pair_id, device, r->workload_id, r->request.kernels, what},
-        variant, err);
-}
-
 static double timer_resolution(void)
 {
     struct timespec ts = {0};

@@ -41,11 +41,6 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
 
 tune_recorder record_recorder(record *r);
 
-// The variant that a search of these kernels led to for a device, 0 being A, on this workload
-// beside any other device; empty if there was none.
-bool record_device_variant(const record *r, int device, const char *what,
-                           char variant[PROFILE_VARIANT], duet_error *err);
-
 // how: "complete", "stopped" or "failed". A complete one leaves its profile, and the
 // outcome says where.
 bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_outcome *outcome,

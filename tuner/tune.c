@@ -69,7 +69,8 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
                 .state = state,
                 .outcome = outcome,
                 .plan = problem->plan,
-                .repeats = problem->def->repeats};
+                .repeats = problem->def->repeats,
+                .search_trials = problem->def->search ? UINT32_MAX : 0};
     state->played = 0;
     *outcome = nothing_known(&t);
     variants_choose(&t);

@@ -53,7 +53,7 @@ bool tuning_stop(tuning *t)
 // Until it is known what the kernels' search takes, only the budget limits the trials.
 static uint32_t most_trials(const tuning *t)
 {
-    bool known = t->search_known || !t->problem->def->search;
+    bool known = t->search_trials != UINT32_MAX;
     return known ? trial_budget_most(t->problem, t->search_trials) : t->problem->def->budget_trials;
 }
 

@@ -205,7 +205,7 @@ static void race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
         field_enter_new(f, &even);
     for (uint32_t i = 0; i < e->n; ++i)
         field_enter_new(f, &e->plans[i]);
-    field_race(t, f, &trial_budget_last_race, false, INFINITY);
+    field_race(t, f, &trial_budget_last_race);
 }
 
 // The best of the shared plans. An expected plan stays unless another is proven to be faster: in
@@ -250,7 +250,7 @@ void verdict_reach(tuning *t)
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
     race_options first = first_race(all.n - n_alone);
     if (all.n > 1)
-        field_race(t, &all, &first, false, INFINITY);
+        field_race(t, &all, &first);
     else
         run_alone(t, &all);
     uint32_t alone = race_best(&all.race, 0, n_alone);
