@@ -38,13 +38,13 @@ static void add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
              NUMBER("seconds", o->seconds));
 }
 
-static bool replay_strategy(replay *r, replay_def def, cJSON *rows, duet_error *err)
+static bool replay_strategy(replay *r, duet_tune_def def, script *own, cJSON *rows, duet_error *err)
 {
     replay_outcome runs[RUNS];
     uint64_t seed = def.seed;
     for (uint32_t i = 0; i < RUNS; ++i) {
         def.seed = rng_stream(seed, i).state;
-        if (!interrupt_check(err) || !replay_run(r, &def, &runs[i], err))
+        if (!interrupt_check(err) || !replay_run(r, &def, own, &runs[i], err))
             return false;
     }
     qsort(runs, RUNS, sizeof *runs, by_loss);
@@ -59,14 +59,15 @@ static bool replay_strategies(replay *r, const replay_options *options, script *
 {
     const char *asked = lua ? strategy_lua.name : options->strategy;
     const strategy_choice choice = r->surface->joint ? STRATEGY_JOINT : STRATEGY_SHARE;
-    replay_def def = {.repeats = (uint32_t)options->repeats, .seed = options->seed};
-    def.script = lua;
+    duet_tune_def def = duet_default_tune_def();
+    def.seed = options->seed;
+    def.repeats = options->repeats ? (uint32_t)options->repeats : def.repeats;
     if ((def.strategy = asked))
-        return replay_strategy(r, def, rows, err);
+        return replay_strategy(r, def, lua, rows, err);
     for (uint32_t i = 0; strategies[i]; ++i) {
         def.strategy = strategies[i]->name;
         if (strategies[i]->choice == choice && strategies[i] != &strategy_lua &&
-            !replay_strategy(r, def, rows, err))
+            !replay_strategy(r, def, NULL, rows, err))
             return false;
     }
     return true;
