@@ -224,11 +224,27 @@ static bool launch_recorded(void *context, const duet_plan *plan, bool staged,
 
 // ---------------------------------------------------------------- a tuning
 
-static bool count_search(void *context, const duet_tune_progress *progress)
+typedef struct watched {
+    const replay *r;
+    replay_outcome *outcome;
+} watched;
+
+// Adds a plan that is better than those before.
+static void note_gain(const watched *w, const duet_plan *plan)
 {
-    uint32_t *launches = context;
+    replay_outcome *o = w->outcome;
+    const replay_gain at = {(double)w->r->spent_ns * 1e-9, replay_median_ns(w->r, plan)};
+    bool better = o->n_gains == 0 || at.median_ns < o->gains[o->n_gains - 1].median_ns;
+    if (better && !isnan(at.median_ns) && o->n_gains < REPLAY_GAINS)
+        o->gains[o->n_gains++] = at;
+}
+
+static bool watch(void *context, const duet_tune_progress *progress)
+{
+    const watched *w = context;
     if (strcmp(progress->stage, "share") == 0 || strcmp(progress->stage, "kernels and share") == 0)
-        *launches = progress->launches;
+        w->outcome->search_launches = progress->launches;
+    note_gain(w, progress->plan);
     return true;
 }
 
@@ -255,7 +271,7 @@ static bool check_fits(const replay *r, const duet_tune_def *def, script *own, d
                      joint ? "a share alone" : "kernels and share");
 }
 
-static bool tune(replay *r, const duet_tune_def *def, script *own, uint32_t *search_launches,
+static bool tune(replay *r, const duet_tune_def *def, script *own, replay_outcome *outcome,
                  duet_tune_outcome *found, duet_error *err)
 {
     // The surface is of one, whatever its name is, or of the configs of one.
@@ -265,8 +281,9 @@ static bool tune(replay *r, const duet_tune_def *def, script *own, uint32_t *sea
     tuned.n_variants = 1;
     tuned.modes = r->modes;
     tuned.n_modes = r->n_modes;
-    tuned.watch = count_search;
-    tuned.watch_context = search_launches;
+    watched w = {r, outcome};
+    tuned.watch = watch;
+    tuned.watch_context = &w;
     tune_problem problem = {
         .def = &tuned,
         .machine = {.context = r, .launch = launch_recorded},
@@ -294,7 +311,7 @@ bool replay_run(replay *r, const duet_tune_def *def, script *own, replay_outcome
     *outcome = (replay_outcome){0};
     r->random = rng_seed(def->seed);
     r->spent_ns = 0;
-    if (!check_fits(r, def, own, err) || !tune(r, def, own, &outcome->search_launches, &found, err))
+    if (!check_fits(r, def, own, err) || !tune(r, def, own, outcome, &found, err))
         return false;
     outcome->plan = found.plan;
     if (!r->surface->joint) {

@@ -46,6 +46,15 @@ void replay_close(replay *r);
 // The median of a plan's launches, which may be interpolated.
 double replay_median_ns(const replay *r, const duet_plan *plan);
 
+// The time of all launches until a trial showed that its plan is the best so far, and that plan's
+// median time.
+typedef struct replay_gain {
+    double seconds;
+    double median_ns;
+} replay_gain;
+
+enum { REPLAY_GAINS = 64 };
+
 typedef struct replay_outcome {
     duet_plan plan; // to use
     char verdict[16];
@@ -55,6 +64,8 @@ typedef struct replay_outcome {
     uint32_t search_launches; // until the last search of a share ended
     uint32_t launches;        // with the races after it
     double seconds;           // the time of all launches; kernels are not compiled
+    replay_gain gains[REPLAY_GAINS];
+    uint32_t n_gains;
 } replay_outcome;
 
 // Tunes mode and share, or kernels and share on a joint surface, as duet_tune_run does with a def

@@ -25,8 +25,23 @@ static int by_loss(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
-                        const replay_outcome *worst)
+// Each run's gains, as [seconds, ms].
+static void add_gains(cJSON *row, const replay_outcome *outcomes)
+{
+    cJSON *runs = cJSON_AddArrayToObject(row, "runs");
+    for (uint32_t i = 0; i < RUNS; ++i) {
+        cJSON *gains = cJSON_CreateArray();
+        cJSON_AddItemToArray(runs, gains);
+        for (uint32_t k = 0; k < outcomes[i].n_gains; ++k) {
+            const replay_gain *g = &outcomes[i].gains[k];
+            const double at[2] = {g->seconds, g->median_ns * 1e-6};
+            cJSON_AddItemToArray(gains, cJSON_CreateDoubleArray(at, 2));
+        }
+    }
+}
+
+static cJSON *add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
+                          const replay_outcome *worst)
 {
     cJSON *row = json_add_row(rows);
     json_add(row, STRING("strategy", name));
@@ -36,6 +51,7 @@ static void add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
              NUMBER("worst_loss", worst->loss), STRING("verdict", o->verdict),
              NUMBER("search_launches", o->search_launches), NUMBER("launches", o->launches),
              NUMBER("seconds", o->seconds));
+    return row;
 }
 
 static bool replay_strategy(replay *r, duet_tune_def def, script *own, cJSON *rows, duet_error *err)
@@ -48,7 +64,7 @@ static bool replay_strategy(replay *r, duet_tune_def def, script *own, cJSON *ro
             return false;
     }
     qsort(runs, RUNS, sizeof *runs, by_loss);
-    add_outcome(rows, def.strategy, &runs[RUNS / 2], &runs[RUNS - 1]);
+    add_gains(add_outcome(rows, def.strategy, &runs[RUNS / 2], &runs[RUNS - 1]), runs);
     return true;
 }
 
@@ -75,6 +91,14 @@ static bool replay_strategies(replay *r, const replay_options *options, script *
 
 // ---------------------------------------------------------------- surfaces
 
+static cJSON *list_medians(const replay *r)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (uint32_t i = 0; i < r->n_points; ++i)
+        cJSON_AddItemToArray(list, cJSON_CreateNumber(r->points[i].median_ns * 1e-6));
+    return list;
+}
+
 static cJSON *describe(const replay *r)
 {
     const profile_surface *s = r->surface;
@@ -87,6 +111,7 @@ static cJSON *describe(const replay *r)
     }
     json_add(o, STRING("level", s->level), STRING("a", s->a), STRING("b", s->b),
              NUMBER("plans", r->n_points), NUMBER("best_ms", r->best->median_ns * 1e-6));
+    cJSON_AddItemToObject(o, "recorded_ms", list_medians(r));
     json_add_plan(o, best->share / (double)DUET_SHARE_ONE, duet_mode_name(best->mode),
                   s->joint ? best->variant_a : s->variant_a,
                   s->joint ? best->variant_b : s->variant_b);

@@ -84,6 +84,18 @@ static profile_surface *open_surface(store *s, uint64_t n, replay *r)
     return surfaces;
 }
 
+// Each better than the one before, until no plan is better than what was chosen.
+static void check_gains(const replay_outcome *o)
+{
+    assert_true(o->n_gains > 0 && o->n_gains < REPLAY_GAINS);
+    for (uint32_t i = 1; i < o->n_gains; ++i)
+        assert_true(o->gains[i].median_ns < o->gains[i - 1].median_ns &&
+                    o->gains[i].seconds > o->gains[i - 1].seconds);
+    assert_true(o->gains[0].seconds > 0);
+    assert_true(o->gains[o->n_gains - 1].seconds <= o->seconds);
+    assert_true(o->gains[o->n_gains - 1].median_ns <= o->median_ns);
+}
+
 static replay_outcome run(replay *r, const char *name, uint64_t seed)
 {
     replay_outcome outcome;
@@ -91,6 +103,7 @@ static replay_outcome run(replay *r, const char *name, uint64_t seed)
     def.strategy = name;
     def.seed = seed;
     must(replay_run(r, &def, NULL, &outcome, ERR));
+    check_gains(&outcome);
     return outcome;
 }
 
