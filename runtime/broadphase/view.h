@@ -81,8 +81,8 @@ void view_forget(device_view *v);
 // Whether the wanted rows of that generation lie there.
 bool view_has(const device_view *v, uint64_t generation, const selection *wanted);
 
-// Whether the first rows of that generation are there, or on their way, before a step wants all.
-bool view_is_prefetched(const device_view *v, uint64_t generation);
+// Whether the first rows of its generation are there, or on their way, before a step wants all.
+bool view_is_prefetched(const device_view *v);
 
 // Whether view_update would send only what lies behind the prefetched rows.
 bool view_continues(const device_view *v, const host_array *from, const selection *wanted);
