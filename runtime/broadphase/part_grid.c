@@ -18,7 +18,7 @@ static void set_args(part *p)
         .n_owned = p->task.ids ? p->task.ids->n : 0,
         .last = paper ? range->last : placed,
         .cells = p->task.grid->levels[0].cells,
-        .objects = view_buffer(&p->objects),
+        .objects = p->objects.bound.mem ? p->objects.bound : p->objects.own,
     };
 }
 

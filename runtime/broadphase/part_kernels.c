@@ -17,11 +17,6 @@ static bool gathers(const part *p)
            p->task.objects->shape == DUET_SHAPE_POSES;
 }
 
-static bool has_slabs(const part_task *task)
-{
-    return task->def->plan.mode == DUET_MODE_SLAB;
-}
-
 // Most levels are one if nothing is rotated, or objects have radii.
 static duet_level level_of(const part_task *task)
 {
@@ -129,6 +124,9 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         o->shape != DUET_SHAPE_BOUNDS && task->def->rotated && o->shape != DUET_SHAPE_SPHERES;
     const bool unboxed = facts & PART_LEAVES_BOXES, to_places = goes_to_places(p);
     const bool in_ranges = task->wanted.kind == SELECT_RANGES;
+    // Many objects are in none of the part's cells if the other part has a slab, too.
+    const bool slabs = task->def->plan.mode == DUET_MODE_SLAB;
+    const bool is_cut = slabs && (task->range.key_from > 0 || task->range.home_to < g->n_cells);
     const cl_int4 cells = compiled_cells(p, g);
     const part_choice all[PART_CHOICES] = {
         {"DIMS", o->dims, false},
@@ -151,8 +149,8 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         {"OWN", (facts & PART_OWN_CELLS) != 0, false},
         {"STRAYS", in_ranges ? INPUT_BLOCK : 0, false},
         {"STRETCH", in_ranges && counting, false},
-        {"GUARDED", has_slabs(task), false},
-        {"SLAB", has_slabs(task) && part_range_is_cut(&task->range, g), false},
+        {"GUARDED", slabs, false},
+        {"SLAB", is_cut, false},
         {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
         {"TO_PLACES", (facts & PART_SUMS_BLOCKS) != 0, false},
         {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there

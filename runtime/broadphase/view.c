@@ -45,11 +45,6 @@ void view_bind(device_view *v, const buffer *memory)
     v->bound = memory ? *memory : (buffer){0};
 }
 
-buffer view_buffer(const device_view *v)
-{
-    return v->bound.mem ? v->bound : v->own;
-}
-
 void view_forget(device_view *v)
 {
     v->generation = 0;
