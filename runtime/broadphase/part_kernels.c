@@ -113,6 +113,12 @@ static uint32_t facts_of_kernels(const part *p)
            (kernel_param(p->kernels.candidates, "FUSED") == 1 ? PART_FUSED : 0);
 }
 
+// If the other part has a slab, too, many objects are in none of this one's cells.
+static bool is_cut(const part_task *task)
+{
+    return task->range.key_from > 0 || task->range.home_to < task->grid->n_cells;
+}
+
 static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOICES])
 {
     const part_task *task = &p->task;
@@ -124,9 +130,7 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         o->shape != DUET_SHAPE_BOUNDS && task->def->rotated && o->shape != DUET_SHAPE_SPHERES;
     const bool unboxed = facts & PART_LEAVES_BOXES, to_places = goes_to_places(p);
     const bool in_ranges = task->wanted.kind == SELECT_RANGES;
-    // Many objects are in none of the part's cells if the other part has a slab, too.
     const bool slabs = task->def->plan.mode == DUET_MODE_SLAB;
-    const bool is_cut = slabs && (task->range.key_from > 0 || task->range.home_to < g->n_cells);
     const cl_int4 cells = compiled_cells(p, g);
     const part_choice all[PART_CHOICES] = {
         {"DIMS", o->dims, false},
@@ -150,7 +154,7 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         {"STRAYS", in_ranges ? INPUT_BLOCK : 0, false},
         {"STRETCH", in_ranges && counting, false},
         {"GUARDED", slabs, false},
-        {"SLAB", is_cut, false},
+        {"SLAB", slabs && is_cut(task), false},
         {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
         {"TO_PLACES", (facts & PART_SUMS_BLOCKS) != 0, false},
         {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
