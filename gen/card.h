@@ -13,6 +13,7 @@
 
 #define CARD_MAX_PARAMS 32
 #define CARD_MAX_NAMES 24
+#define CARD_MAX_CONFIGS (UINT64_C(1) << 20)
 
 // Names of files that a card asks for.
 typedef struct card_names {
@@ -57,6 +58,13 @@ bool card_check(card *c, const gen_limits *limits, const gen_setting *config, ca
 // Checks a config, tells its variant's name, launch and entries, and begins its text.
 bool card_resolve(card *c, const gen_limits *limits, const gen_setting *config,
                   gen_variant *variant, text *out, duet_error *err);
+
+// NULL: there is none of that name.
+const gen_param *card_param(const card *c, const char *name);
+bool card_has_value(const gen_param *param, int64_t value);
+
+// Sets in a config what an offer says, if it is for this kernel.
+bool card_take(const card *c, const gen_offer *offer, gen_setting *config, duet_error *err);
 
 // All configs, valid or not, in mixed radix: the last parameter fastest.
 uint64_t card_size(const card *c);

@@ -77,6 +77,16 @@ typedef struct part_choice {
 
 enum { PART_CHOICES = 27, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS + 1 };
 
+// Facts of the kernels that a part has, by the task and the variant that they were built for.
+typedef enum part_fact {
+    PART_TESTS_BOXES = 1 << 0,  // beyond their bounds
+    PART_LEAVES_BOXES = 1 << 1, // boxes are read by id, where the objects are
+    PART_OWN_CELLS = 1 << 2,    // objects are counted without atomics
+    PART_SUMS_BLOCKS = 1 << 3,  // objects are counted by the scan's blocks, too
+    PART_BY_IDS = 1 << 4,       // objects reach cell order by their sorted ids
+    PART_FUSED = 1 << 5         // candidates are tested where they are found
+} part_fact;
+
 // Arguments of kernels besides the part's buffers, by the names that their cards use.
 typedef struct part_args {
     cl_uint n, n_levels, n_cells;
@@ -127,7 +137,8 @@ typedef struct part_result {
 } part_result;
 
 // Invariants:
-// 1. The kernels are those of `variant` and `choices`; without candidates there are none.
+// 1. The kernels and the facts are those of `variant` and `choices`; without candidates there are
+//    none.
 // 2. The views say what lies on the device of the world's arrays. All else in its memory is
 //    made anew in each step, but for zero_words and pairs_early.
 // 3. `result` is that of the last step that part_begin began.
@@ -147,7 +158,7 @@ typedef struct part {
         variant variant;
         part_choice choices[PART_CHOICES];
         gen_offer offers[PART_OFFERS]; // the choices, and what the variant sets
-        uint32_t n_offers;
+        uint32_t n_offers, facts;      // bits of part_fact
         part_kernels kernels;
         part_args args;
     };
@@ -219,13 +230,6 @@ void part_forget_kernels(part *p);
 
 // Builds the kernel of part_skim, too.
 bool part_prepare_skim(part *p, duet_error *err);
-
-// Facts of the kernels, by the task and the variant that they were built for.
-bool part_tests_boxes(const part *p);  // beyond their bounds
-bool part_leaves_boxes(const part *p); // boxes are read by id, where the objects are
-bool part_sums_blocks(const part *p);  // objects are counted by the scan's blocks, too
-bool part_goes_by_ids(const part *p);  // objects reach cell order by their sorted ids
-bool part_is_fused(const part *p);     // candidates are tested where they are found
 
 // The kernel of that name that the part has prepared; NULL if it runs another.
 const kernel *part_kernel(const part *p, const char *name);

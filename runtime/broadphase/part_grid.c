@@ -18,7 +18,7 @@ static void set_args(part *p)
         .n_owned = p->task.ids ? p->task.ids->n : 0,
         .last = paper ? range->last : placed,
         .cells = p->task.grid->levels[0].cells,
-        .objects = view_buffer(&p->objects),
+        .objects = p->objects.bound.mem ? p->objects.bound : p->objects.own,
     };
 }
 
@@ -45,10 +45,10 @@ static bool clear(part *p, uint32_t n_counts, duet_error *err)
     buffer_swap(&p->counters, &p->next_counters);
     p->zero_words = 0;
     p->args.n_counts = n_counts;
-    return is_done ||
-           (timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err) &&
-            (!part_sums_blocks(p) || timeline_fill(&p->times, "clear", &p->scan.sums, 0, 0,
-                                                   p->scan.sums.bytes / sizeof(uint32_t), err)));
+    return is_done || (timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err) &&
+                       (!(p->facts & PART_SUMS_BLOCKS) ||
+                        timeline_fill(&p->times, "clear", &p->scan.sums, 0, 0,
+                                      p->scan.sums.bytes / sizeof(uint32_t), err)));
 }
 
 // ---------------------------------------------------------------- sorting
@@ -162,9 +162,9 @@ static bool launch_over_objects(part *p, const char *stage, const kernel *k, due
 static bool counting_sort(part *p, duet_error *err)
 {
     return hash_objects(p, false, err) &&
-           (part_sums_blocks(p) ? scan_run_summed : scan_run)(
+           ((p->facts & PART_SUMS_BLOCKS) ? scan_run_summed : scan_run)(
                &p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(p), err) &&
-           (!part_goes_by_ids(p) || launch_over_objects(p, "sort", p->kernels.scatter, err));
+           (!(p->facts & PART_BY_IDS) || launch_over_objects(p, "sort", p->kernels.scatter, err));
 }
 
 static bool find_starts(part *p, duet_error *err)
@@ -198,7 +198,7 @@ static bool place(part *p, duet_error *err)
         return timeline_launch(&p->times, "bounds", p->kernels.place, n, p, err);
     uint32_t work = n < p->place_capacity ? n : p->place_capacity;
     uint32_t launches_before = p->times.n_launches;
-    bool ok = part_goes_by_ids(p)
+    bool ok = (p->facts & PART_BY_IDS)
                   ? timeline_launch(&p->times, "reorder", p->kernels.place, work, p, err)
                   : launch_over_objects(p, "reorder", p->kernels.place, err);
     if (p->times.n_launches > launches_before) // none, if the part reads no object
@@ -231,7 +231,7 @@ static place_bytes bytes_of_places(const part *p, size_t n)
         return (place_bytes){.bounds = COLUMN(n) * columns * sizeof(float),
                              .boxes = poses ? COLUMN(n) * words * sizeof(float) : 0};
     }
-    bool boxes = poses && p->variant.search == SEARCH_GPU && !part_leaves_boxes(p);
+    bool boxes = poses && p->variant.search == SEARCH_GPU && !(p->facts & PART_LEAVES_BOXES);
     return (place_bytes){.bounds = n * BOUNDS_QUADS_OF(has_origin) * sizeof(cl_float4),
                          .boxes = boxes ? n * BOX_QUADS_OF(has_origin) * sizeof(cl_float4) : 0};
 }
@@ -251,7 +251,7 @@ static bool reserve_counts(part *p, duet_error *err)
     size_t before = p->counts.bytes + p->scan.sums.bytes;
     size_t words = p->variant.sort == SORT_COUNTING ? count_starts(p) : 1;
     bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err) &&
-              (!part_sums_blocks(p) || scan_reserve(&p->scan, count_starts(p), err));
+              (!(p->facts & PART_SUMS_BLOCKS) || scan_reserve(&p->scan, count_starts(p), err));
     if (p->counts.bytes + p->scan.sums.bytes != before)
         p->zero_words = 0;
     return ok;
@@ -262,7 +262,7 @@ static bool reserve_grid(part *p, duet_error *err)
     size_t words = p->objects.n * sizeof(uint32_t);
     return buffer_reserve(&p->keys, p->device, words, err) &&
            buffer_reserve(&p->keys_spare, p->device, words, err) &&
-           (!part_goes_by_ids(p) || buffer_reserve(&p->ids, p->device, words, err)) &&
+           (!(p->facts & PART_BY_IDS) || buffer_reserve(&p->ids, p->device, words, err)) &&
            (p->variant.sort == SORT_COUNTING ||
             buffer_reserve(&p->ids_spare, p->device, words, err)) &&
            buffer_reserve(&p->starts, p->device, count_starts(p) * sizeof(uint32_t), err) &&

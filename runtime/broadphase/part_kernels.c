@@ -8,19 +8,13 @@
 
 #include <string.h>
 
-// The kernels of a step are chosen by facts of its task, of the variant and of the device. Each
-// fact below is asked for by more than one choice.
+// The kernels of a step are chosen by facts of its task, of the variant and of the device.
 
 // Whether the device alone has objects that the host may have to decide.
 static bool gathers(const part *p)
 {
     return p->objects.bound.mem && !p->device->info.host_memory &&
            p->task.objects->shape == DUET_SHAPE_POSES;
-}
-
-static bool has_slabs(const part_task *task)
-{
-    return task->def->plan.mode == DUET_MODE_SLAB;
 }
 
 // Most levels are one if nothing is rotated, or objects have radii.
@@ -84,13 +78,14 @@ static bool counts_own_cells(const part *p)
            selection_count(&task->wanted) >= least * p->device->info.units;
 }
 
-bool part_tests_boxes(const part *p)
+// Objects that are in order go to places side by side.
+static bool goes_to_places(const part *p)
 {
-    return p->task.objects->shape != DUET_SHAPE_BOUNDS && level_of(&p->task) != DUET_LEVEL_AABB;
+    return p->variant.sort == SORT_COUNTING && p->task.role == GRID_OWN && p->task.def->ordered;
 }
 
 // Boxes that are in order are near each other where they are.
-bool part_leaves_boxes(const part *p)
+static bool leaves_boxes(const part *p)
 {
     const part_task *task = &p->task;
     return p->variant.search == SEARCH_GPU && task->def->ordered &&
@@ -98,40 +93,44 @@ bool part_leaves_boxes(const part *p)
            task->objects->origin == 0.0f && task->wanted.kind != SELECT_LIST;
 }
 
-// Objects that are in order go to places side by side.
-static bool goes_to_places(const part *p)
+// The facts that decide which kernels are asked for.
+static uint32_t facts_of(const part *p)
 {
-    return p->variant.sort == SORT_COUNTING && p->task.role == GRID_OWN && p->task.def->ordered;
+    const bool boxes = p->task.objects->shape != DUET_SHAPE_BOUNDS, own = counts_own_cells(p);
+    const bool sums = goes_to_places(p) && p->variant.search == SEARCH_SIMD && boxes && !own;
+    return (boxes && level_of(&p->task) != DUET_LEVEL_AABB ? PART_TESTS_BOXES : 0) |
+           (leaves_boxes(p) ? PART_LEAVES_BOXES : 0) | (own ? PART_OWN_CELLS : 0) |
+           (sums ? PART_SUMS_BLOCKS : 0);
 }
 
-bool part_sums_blocks(const part *p)
+// The facts that cards decide.
+static uint32_t facts_of_kernels(const part *p)
 {
-    return goes_to_places(p) && p->variant.search == SEARCH_SIMD &&
-           p->task.objects->shape != DUET_SHAPE_BOUNDS && !counts_own_cells(p);
+    const bool by_ids = p->variant.search == SEARCH_GPU
+                            ? kernel_param(p->kernels.place, "FROM_IDS") == 1
+                            : !(p->facts & PART_SUMS_BLOCKS);
+    return (by_ids ? PART_BY_IDS : 0) |
+           (kernel_param(p->kernels.candidates, "FUSED") == 1 ? PART_FUSED : 0);
 }
 
-bool part_goes_by_ids(const part *p)
+// If the other part has a slab, too, many objects are in none of this one's cells.
+static bool is_cut(const part_task *task)
 {
-    return p->variant.search == SEARCH_GPU ? kernel_param(p->kernels.place, "FROM_IDS") == 1
-                                           : !part_sums_blocks(p);
+    return task->range.key_from > 0 || task->range.home_to < task->grid->n_cells;
 }
 
-bool part_is_fused(const part *p)
-{
-    return kernel_param(p->kernels.candidates, "FUSED") == 1;
-}
-
-static void choose(const part *p, part_choice choices[PART_CHOICES])
+static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOICES])
 {
     const part_task *task = &p->task;
     const variant *v = &p->variant;
     const grid_objects *o = task->objects;
     const grid *g = task->grid;
-    const bool counting = v->sort == SORT_COUNTING, tested = part_tests_boxes(p);
+    const bool counting = v->sort == SORT_COUNTING, tested = facts & PART_TESTS_BOXES;
     const bool turned =
         o->shape != DUET_SHAPE_BOUNDS && task->def->rotated && o->shape != DUET_SHAPE_SPHERES;
-    const bool unboxed = part_leaves_boxes(p), to_places = goes_to_places(p);
+    const bool unboxed = facts & PART_LEAVES_BOXES, to_places = goes_to_places(p);
     const bool in_ranges = task->wanted.kind == SELECT_RANGES;
+    const bool slabs = task->def->plan.mode == DUET_MODE_SLAB;
     const cl_int4 cells = compiled_cells(p, g);
     const part_choice all[PART_CHOICES] = {
         {"DIMS", o->dims, false},
@@ -151,13 +150,13 @@ static void choose(const part *p, part_choice choices[PART_CHOICES])
         {"CELLS_Y", cells.s[1], false},
         {"CELLS_Z", cells.s[2], false},
         {"PACKED", task->wanted.kind == SELECT_LIST, false},
-        {"OWN", counts_own_cells(p), false},
+        {"OWN", (facts & PART_OWN_CELLS) != 0, false},
         {"STRAYS", in_ranges ? INPUT_BLOCK : 0, false},
         {"STRETCH", in_ranges && counting, false},
-        {"GUARDED", has_slabs(task), false},
-        {"SLAB", has_slabs(task) && part_range_is_cut(&task->range, g), false},
+        {"GUARDED", slabs, false},
+        {"SLAB", slabs && is_cut(task), false},
         {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
-        {"TO_PLACES", part_sums_blocks(p), false},
+        {"TO_PLACES", (facts & PART_SUMS_BLOCKS) != 0, false},
         {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
         {"EMPTIES", counting, false},
         {"FUSED", tested && v->fused, tested},
@@ -190,7 +189,7 @@ static bool is_prepared(const part *p, const variant *asked)
     part_choice choices[PART_CHOICES];
     if (!part_has_kernels(p, asked))
         return false;
-    choose(p, choices);
+    choose(p, facts_of(p), choices);
     return are_same(choices, p->choices) && (k->gather || !gathers(p)) &&
            (k->count_pairs || !p->task.ids);
 }
@@ -225,17 +224,17 @@ static bool ask_sorts(part *p, duet_error *err)
                                    RADIX_SORT_KERNELS(&p->radix, p->variant.sort == SORT_RADIX)};
     if (!ASK(p, list, err))
         return false;
-    if (part_sums_blocks(p))
+    if (p->facts & PART_SUMS_BLOCKS)
         p->offers[p->n_offers++] =
             (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
     return true;
 }
 
-static bool ask_grid_and_search(part *p, bool own, duet_error *err)
+static bool ask_grid_and_search(part *p, duet_error *err)
 {
     part_kernels *k = &p->kernels;
     const int search = p->variant.search;
-    const bool counting = p->variant.sort == SORT_COUNTING;
+    const bool counting = p->variant.sort == SORT_COUNTING, own = p->facts & PART_OWN_CELLS;
     const char *const *place = searches[search].place, *starts = searches[search].starts;
     const char *candidates = searches[search].candidates;
     const kernel_request list[] = {
@@ -256,8 +255,8 @@ static bool ask_tests_and_reads(part *p, duet_error *err)
 {
     part_kernels *k = &p->kernels;
     const char *narrow = searches[p->variant.search].narrow;
-    const bool narrows =
-        part_tests_boxes(p) && !(part_is_fused(p) && p->variant.search == SEARCH_SIMD);
+    const bool narrows = (p->facts & PART_TESTS_BOXES) &&
+                         !((p->facts & PART_FUSED) && p->variant.search == SEARCH_SIMD);
     const kernel_request list[] = {
         {&k->narrow, narrows, narrow, narrow, part_bindings},
         {&k->gather, gathers(p), "read_rows", "gather_rows", part_gather_bindings},
@@ -279,10 +278,12 @@ static bool is_known(const variant_setting *s)
     return s->used || strcmp(s->kernel, "skim") == 0;
 }
 
-static bool build(part *p, bool own, duet_error *err)
+static bool build(part *p, duet_error *err)
 {
-    if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, own, err) ||
-        !ask_tests_and_reads(p, err))
+    if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, err))
+        return false;
+    p->facts |= facts_of_kernels(p);
+    if (!ask_tests_and_reads(p, err))
         return false;
     for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
         const variant_setting *s = &p->variant.settings[i];
@@ -299,11 +300,11 @@ bool part_prepare(part *p, const variant *asked, duet_error *err)
     if (is_prepared(p, asked))
         return true;
     p->variant = *asked;
-    const bool own = counts_own_cells(p);
-    choose(p, p->choices);
+    p->facts = facts_of(p);
+    choose(p, p->facts, p->choices);
     p->kernels.skim = NULL;
     p->zero_words = 0; // other kernels leave other words as they are
-    bool ok = build(p, own, err);
+    bool ok = build(p, err);
     if (!ok)
         p->kernels = (part_kernels){0};
     return ok;

@@ -6,7 +6,8 @@
 
 void part_begin(part *p, const host_array *objects, uint64_t step)
 {
-    if (objects->n > 0 && view_is_prefetched(&p->objects, objects->generation))
+    if (objects->n > 0 && view_is_prefetched(&p->objects) &&
+        p->objects.generation == objects->generation)
         return;
     p->objects.n_chunks = 0;
     timeline_begin_step(&p->times, p->device, step);

@@ -45,7 +45,7 @@ static bool run_candidates(part *p, duet_error *err)
     a->pair_capacity = capacity_of(&p->pairs);
     a->undecided_capacity = capacity_of(&p->undecided);
     a->left_capacity = capacity_of(&p->left);
-    bool decides = p->variant.search == SEARCH_SIMD && part_is_fused(p);
+    bool decides = p->variant.search == SEARCH_SIMD && (p->facts & PART_FUSED);
     return timeline_launch(&p->times, decides ? "search" : "candidates", p->kernels.candidates,
                            search_work(p), p, err);
 }
@@ -96,7 +96,7 @@ static bool test_listed(part *p, duet_error *err)
 {
     if (!p->kernels.narrow)
         return part_read_found(p, err);
-    if (!part_is_fused(p))
+    if (!(p->facts & PART_FUSED))
         return run_narrow(p, narrow_work(p, search_work(p)), err) && part_read_found(p, err);
     if (!part_read_found(p, err))
         return false;
@@ -133,9 +133,9 @@ static bool reserve_first(part *p, uint32_t objects, duet_error *err)
         ok = ok && (p->left.mem || reserve_pairs(p, &p->left, guess / 64, err)) &&
              buffer_reserve(&p->pair_counts, p->device, PAIR_COUNTS * sizeof(uint32_t), err);
     if (p->kernels.narrow)
-        ok = ok &&
-             (p->candidates.mem ||
-              reserve_pairs(p, &p->candidates, part_is_fused(p) ? guess / 64 : 2 * guess, err));
+        ok = ok && (p->candidates.mem ||
+                    reserve_pairs(p, &p->candidates,
+                                  (p->facts & PART_FUSED) ? guess / 64 : 2 * guess, err));
     return ok;
 }
 
@@ -169,7 +169,7 @@ bool part_search(part *p, duet_error *err)
     }
     if (!ok || p->state == PART_CROWDED)
         return ok;
-    p->result.n_candidates = part_tests_boxes(p)
+    p->result.n_candidates = (p->facts & PART_TESTS_BOXES)
                                  ? p->result.found.candidates + p->result.found.tested
                                  : p->result.found.pairs;
     return part_fetch(p, err);

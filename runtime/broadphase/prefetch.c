@@ -5,11 +5,6 @@
 
 #include <string.h>
 
-static bool is_prefetched(const part *p)
-{
-    return view_is_prefetched(&p->objects, p->objects.generation);
-}
-
 static bool prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step,
                      duet_error *err)
 {
@@ -47,7 +42,7 @@ void world_prefetch(duet_world *world, uint32_t n)
 void world_cancel_prefetch(duet_world *world)
 {
     for (int side = 0; side < 2; ++side)
-        if (is_prefetched(&world->parts[side]))
+        if (view_is_prefetched(&world->parts[side].objects))
             part_invalidate(&world->parts[side]);
 }
 
@@ -82,7 +77,7 @@ static bool skim(part *p, const duet_world_def *def, const float inside_lower[3]
                  const float inside_upper[3], duet_error *err)
 {
     const device_view *v = &p->objects;
-    if (!is_prefetched(p) || !has_kernel(p, def, err))
+    if (!view_is_prefetched(v) || !has_kernel(p, def, err))
         return false;
     uint32_t n = v->chunks[v->n_chunks - 1].to, from = 0;
     size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
@@ -96,20 +91,10 @@ static bool skim(part *p, const duet_world_def *def, const float inside_lower[3]
     return ok;
 }
 
-static uint32_t await_skim(part *p, uint32_t from, const skim_block **blocks)
-{
-    uint32_t i = 0;
-    while (i + 1 < p->objects.n_chunks && p->objects.chunks[i].to <= from)
-        ++i;
-    timeline_spin(&p->times, p->skimmed.done[i]);
-    *blocks = p->skimmed.seen.bytes;
-    return p->objects.chunks[i].to;
-}
-
 // B, which has most of the work, unless A alone has prefetched objects.
 static part *skimmer(duet_world *world)
 {
-    return &world->parts[is_prefetched(&world->parts[1])];
+    return &world->parts[view_is_prefetched(&world->parts[1].objects)];
 }
 
 bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
@@ -122,5 +107,11 @@ bool world_skim(duet_world *world, const float inside_lower[3], const float insi
 
 uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
 {
-    return await_skim(skimmer(world), from, blocks);
+    part *p = skimmer(world);
+    uint32_t i = 0;
+    while (i + 1 < p->objects.n_chunks && p->objects.chunks[i].to <= from)
+        ++i;
+    timeline_spin(&p->times, p->skimmed.done[i]);
+    *blocks = p->skimmed.seen.bytes;
+    return p->objects.chunks[i].to;
 }

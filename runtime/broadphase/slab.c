@@ -9,11 +9,6 @@
 // The cost of placing an object in the grid, in tests of pairs.
 static const double object_cost = 8.0;
 
-bool part_range_is_cut(const part_range *range, const grid *g)
-{
-    return range->key_from > 0 || range->home_to < g->n_cells;
-}
-
 void split_free(split *s)
 {
     free(s->cell_rows);

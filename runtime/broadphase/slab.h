@@ -21,14 +21,6 @@ typedef struct part_range {
     uint32_t expected_ghosts; // a slab's, likewise: objects of no home key
 } part_range;
 
-static inline bool part_range_has_work(const part_range *range)
-{
-    return range->first < range->last;
-}
-
-// Whether many objects are in none of the part's cells: the other part has a slab, too.
-bool part_range_is_cut(const part_range *range, const grid *g);
-
 // Invariant: the rows are counts of the objects that the grid was fitted to, or of later ones that
 // still suited it. The ranges are the cut for `share` of n objects; n = 0: there is none.
 typedef struct split {

@@ -42,6 +42,11 @@ static bool selects_ranges(const duet_world *world)
            world->variants[0].search != SEARCH_PAPER && world->variants[1].search != SEARCH_PAPER;
 }
 
+static bool has_work(const part_range *range)
+{
+    return range->first < range->last;
+}
+
 // A device with memory of its own gets a list of its slab's objects, if the variant asks for it and
 // that leaves out enough. The kernels know lists of poses and bounds alone.
 static bool selects_list(const duet_world *world, const part_range ranges[2], int side)
@@ -53,8 +58,7 @@ static bool selects_list(const duet_world *world, const part_range ranges[2], in
                        o->origin == 0.0f && !o->sizes.rows;
     return world->def.plan.mode == DUET_MODE_SLAB && plain && v->search == SEARCH_GPU &&
            v->send == SEND_PACKED && !p->device->info.host_memory && !p->objects.bound.mem &&
-           part_range_has_work(&ranges[0]) && part_range_has_work(&ranges[1]) &&
-           compaction_pays(&ranges[side], o->all.n);
+           has_work(&ranges[0]) && has_work(&ranges[1]) && compaction_pays(&ranges[side], o->all.n);
 }
 
 static selection select_objects(const duet_world *world, const part_range ranges[2], int side)
@@ -144,9 +148,8 @@ static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
     part *a = &world->parts[0], *b = &world->parts[1];
     if (!give_tasks(world, err))
         return false;
-    const bool shared = a->task.role == GRID_RECEIVED && part_range_has_work(&a->task.range);
-    const bool use[2] = {part_range_has_work(&a->task.range),
-                         shared || part_range_has_work(&b->task.range)};
+    const bool shared = a->task.role == GRID_RECEIVED && has_work(&a->task.range);
+    const bool use[2] = {has_work(&a->task.range), shared || has_work(&b->task.range)};
     if ((use[0] && !part_prepare(a, &world->variants[0], err)) ||
         (use[1] && !part_prepare(b, &world->variants[1], err)) ||
         (shared && !part_share_grid(b, a, err)) || !run_both(world, use, err))

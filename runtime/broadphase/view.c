@@ -45,11 +45,6 @@ void view_bind(device_view *v, const buffer *memory)
     v->bound = memory ? *memory : (buffer){0};
 }
 
-buffer view_buffer(const device_view *v)
-{
-    return v->bound.mem ? v->bound : v->own;
-}
-
 void view_forget(device_view *v)
 {
     v->generation = 0;
@@ -68,14 +63,14 @@ bool view_has(const device_view *v, uint64_t generation, const selection *wanted
                : !lists && !list && next_missing(&v->there, wanted, 0).to == 0;
 }
 
-bool view_is_prefetched(const device_view *v, uint64_t generation)
+bool view_is_prefetched(const device_view *v)
 {
-    return v->n_chunks > 0 && v->there.kind == SELECT_RANGES && v->generation == generation;
+    return v->n_chunks > 0 && v->there.kind == SELECT_RANGES;
 }
 
 void view_drop_chunks(device_view *v, timeline *t)
 {
-    if (view_is_prefetched(v, v->generation))
+    if (view_is_prefetched(v))
         timeline_clear(t);
     v->n_chunks = 0;
 }
@@ -135,8 +130,8 @@ static bool send_wanted(device_view *v, timeline *t, const host_array *from, con
 
 bool view_continues(const device_view *v, const host_array *from, const selection *wanted)
 {
-    return view_is_prefetched(v, from->generation) && wanted->kind == SELECT_ALL && !v->bound.mem &&
-           v->own.bytes >= from->n * from->row_bytes;
+    return view_is_prefetched(v) && v->generation == from->generation &&
+           wanted->kind == SELECT_ALL && !v->bound.mem && v->own.bytes >= from->n * from->row_bytes;
 }
 
 bool view_update(device_view *v, timeline *t, const host_array *from, const selection *wanted,

@@ -69,9 +69,6 @@ typedef struct device_view {
 // Reads memory of another's from now on, which has all rows; NULL: the view's own again.
 void view_bind(device_view *v, const buffer *memory);
 
-// The memory that kernels read.
-buffer view_buffer(const device_view *v);
-
 // Waits for what was prefetched, and forgets the chunks of the last step.
 void view_drop_chunks(device_view *v, timeline *t);
 
@@ -81,8 +78,8 @@ void view_forget(device_view *v);
 // Whether the wanted rows of that generation lie there.
 bool view_has(const device_view *v, uint64_t generation, const selection *wanted);
 
-// Whether the first rows of that generation are there, or on their way, before a step wants all.
-bool view_is_prefetched(const device_view *v, uint64_t generation);
+// Whether the first rows of its generation are there, or on their way, before a step wants all.
+bool view_is_prefetched(const device_view *v);
 
 // Whether view_update would send only what lies behind the prefetched rows.
 bool view_continues(const device_view *v, const host_array *from, const selection *wanted);

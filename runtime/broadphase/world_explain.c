@@ -109,11 +109,11 @@ static const char *why_not(const part *p, reason left_out)
                                            [SEARCH_PAPER] = "the search is paper"};
     if (left_out == BY_SORT && p->variant.sort == SORT_RADIX)
         return "the sort is radix";
-    if (left_out == BY_SORT && !part_goes_by_ids(p))
+    if (left_out == BY_SORT && !(p->facts & PART_BY_IDS))
         return "objects go to their places without sorted ids";
     if (left_out == BY_SORT)
         return "the sort is counting: its sums are where cells begin";
-    if (left_out == BY_TEST && !part_tests_boxes(p))
+    if (left_out == BY_TEST && !(p->facts & PART_TESTS_BOXES))
         return "bounds that overlap are the answer";
     if (left_out == BY_TEST && !p->kernels.narrow)
         return "candidates are tested where they are found";
@@ -124,7 +124,7 @@ static const char *why_not(const part *p, reason left_out)
 static const kernel *launched(const part *p, const char *name)
 {
     const kernel *k = part_kernel(p, name);
-    return k != p->kernels.scatter || part_goes_by_ids(p) ? k : NULL;
+    return k != p->kernels.scatter || (p->facts & PART_BY_IDS) ? k : NULL;
 }
 
 bool world_kernel_at(const duet_world *world, int side, uint32_t i, world_kernel *k)

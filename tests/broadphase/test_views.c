@@ -73,8 +73,8 @@ static void prefetch(duet_world *world, rng *r, int s)
     memcpy(to, rows_of(world, s), first * row);
     world_prefetch(world, first);
     for (int side = 0; side < 2; ++side)
-        n_prefetched +=
-            view_is_prefetched(&world->parts[side].objects, world->objects.all.generation);
+        n_prefetched += view_is_prefetched(&world->parts[side].objects) &&
+                        world->parts[side].objects.generation == world->objects.all.generation;
     if (rng_below(r, 4) == 0)
         world_cancel_prefetch(world);
     assert_null(world_extend_objects(world, world->objects.kind, 3 * MOST));
