@@ -76,17 +76,13 @@ static bool compare(survey *s, level_cost *row, duet_error *err)
 
 // ---------------------------------------------------------------- times
 
-static bool hand_over(survey *s, duet_error *err)
+static bool step(survey *s, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(s->scene);
     duet_object_kind kind = scene_kind(info);
     return duet_world_set_objects(s->world, kind, duet_scene_get_objects(s->scene, kind), info->n,
-                                  err);
-}
-
-static bool step(survey *s, duet_error *err)
-{
-    return hand_over(s, err) && duet_world_step(s->world, &s->result, err);
+                                  err) &&
+           duet_world_step(s->world, &s->result, err);
 }
 
 enum { TRIES = 4 };

@@ -32,12 +32,6 @@ static bool begin(run_state *q, const duet_plan *plan, bool staged, duet_error *
     return q->motion;
 }
 
-// Whether both devices have something to do: pairs are searched, by two devices.
-static bool is_shared(const run_state *q)
-{
-    return (q->motion->effects & DUET_EFFECT_CONTACT) && !duet_device_pair_is_one(q->def.pair);
-}
-
 // The first step of a run, which builds kernels and makes space, does not count.
 static bool open(subject *s, duet_error *err)
 {
@@ -56,7 +50,8 @@ static bool open(subject *s, duet_error *err)
     if (!begin(q, &s->plan, false, err))
         return false;
     s->units = duet_scene_get_info(q->scene)->n;
-    s->one_device = !is_shared(q);
+    // Both devices have something to do if pairs are searched.
+    s->one_device |= !(q->motion->effects & DUET_EFFECT_CONTACT);
     return true;
 }
 
