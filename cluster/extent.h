@@ -49,6 +49,15 @@ static inline void extent_add(extent *to, const double point[3])
     }
 }
 
+static inline extent extent_grown(extent e, double by)
+{
+    for (int k = 0; k < 3; ++k) {
+        e.lower[k] -= by;
+        e.upper[k] += by;
+    }
+    return e;
+}
+
 static inline bool extents_meet(const extent *a, const extent *b)
 {
     bool meet = true;

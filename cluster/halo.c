@@ -10,8 +10,9 @@
 static void end_side(halo_side *s)
 {
     free(s->items.items);
+    free(s->colours);
     for (int i = 0; i < HALO_LISTS; ++i)
-        free(s->wrong_after[i].rows);
+        free(s->comes_after[i].rows);
     parcels_end(&s->rows);
 }
 
@@ -53,14 +54,26 @@ static halo_item *item_at(const halo_side *s, uint64_t i)
     return (halo_item *)s->items.items + i;
 }
 
-static void settle_list(halo_side *s, const moving *m)
+static bool settle_list(halo_side *s, const moving *m, duet_error *own)
 {
+    ghost_colours *colours = realloc(s->colours, (s->items.n + 1) * sizeof *colours);
+    s->colours = colours ? colours : s->colours;
+    if (!colours)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     if (s->items.n > 0)
         qsort(s->items.items, s->items.n, sizeof(halo_item), compare);
     for (uint64_t i = 0; i < s->items.n; ++i) {
         halo_item *item = item_at(s, i);
         item->place = moving_place(m, &m->domains[item->domain], item->id);
     }
+    return true;
+}
+
+// Domains know which item a ghost of theirs is.
+static void note_ghosts(const halo_side *s, moving *m)
+{
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        m->domains[item_at(s, i)->domain].ghost_at[item_at(s, i)->place] = (uint32_t)i;
 }
 
 static uint32_t row_bytes(const moving *m, motion_buffer which)
@@ -79,9 +92,9 @@ static chosen all_of(const halo_side *s)
     return (chosen){NULL, s->items.n};
 }
 
-static chosen wrong_after(const halo_side *s, uint32_t colour)
+static chosen come_after(const halo_side *s, uint32_t colour)
 {
-    return (chosen){s->wrong_after[colour].rows, s->wrong_after[colour].n};
+    return (chosen){s->comes_after[colour].rows, s->comes_after[colour].n};
 }
 
 static const halo_item *chosen_at(const halo_side *s, const chosen *c, uint64_t i)
@@ -106,14 +119,15 @@ static bool reserve(halo_side *s, const moving *m, duet_error *own)
     return parcels_reserve(&s->rows, m->ranks, NULL, own);
 }
 
-static bool settle(halo *h, const moving *m, duet_error *own)
+static bool settle(halo *h, moving *m, duet_error *own)
 {
     if (!h->requests)
         h->requests = malloc(4 * (size_t)m->ranks->n * sizeof *h->requests);
     if (!h->requests || h->sent.items.failed || h->received.items.failed)
         return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
-    settle_list(&h->sent, m);
-    settle_list(&h->received, m);
+    if (!settle_list(&h->sent, m, own) || !settle_list(&h->received, m, own))
+        return false;
+    note_ghosts(&h->received, m);
     return reserve(&h->sent, m, own) && reserve(&h->received, m, own);
 }
 
@@ -187,6 +201,8 @@ static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out,
     if (out->n == 0 && in->n == 0)
         return;
     motion_rows *rows = calloc(m->parts, sizeof *rows);
+    ++h->n_exchanges;
+    h->n_rows += out->n;
     if (!rows)
         error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     h->sent.rows.row_bytes = h->received.rows.row_bytes = (uint32_t)bytes_of(parts);
@@ -222,82 +238,79 @@ static row_parts parts_of_body(const duet_motion *motion, bool warm)
 
 void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
 {
-    const chosen out = wrong_after(&h->sent, colour), in = wrong_after(&h->received, colour);
+    const chosen out = come_after(&h->sent, colour), in = come_after(&h->received, colour);
     const row_parts parts = parts_of_body(m->domains[0].motion, warm);
     exchange(h, m, BODIES, &out, &in, &parts, own);
 }
 
 void halo_exchange_late(halo *h, moving *m, duet_error *own)
 {
-    const chosen out = wrong_after(&h->sent, HALO_LATE), in = wrong_after(&h->received, HALO_LATE);
+    const chosen out = come_after(&h->sent, HALO_LATE), in = come_after(&h->received, HALO_LATE);
     const row_parts whole = {{{0, row_bytes(m, BODIES)}}, 1};
     exchange(h, m, BODIES, &out, &in, &whole, own);
 }
 
-bool halo_has_wrong(const halo *h, uint32_t colour)
+bool halo_comes(const halo *h, uint32_t colour)
 {
-    return h->sent.wrong_after[colour].n > 0 || h->received.wrong_after[colour].n > 0;
+    return h->sent.comes_after[colour].n > 0 || h->received.comes_after[colour].n > 0;
 }
 
-static uint32_t colours_here(const moving *m, const halo_item *item)
-{
-    return m->domains[item->domain].used[item->place];
-}
+// ---------------------------------------------------------------- what comes when
 
-// Tells the other sides the colours that the items have here, of which the parcels become theirs.
-static void tell_colours(halo *h, moving *m, halo_side *from, halo_side *to)
+// Sends a row of each item, of which there are parcels on both sides.
+static void tell(halo *h, moving *m, halo_side *from, halo_side *to, uint32_t bytes)
 {
-    uint32_t *here = from->rows.rows;
     const chosen out = all_of(from), in = all_of(to);
-    from->rows.row_bytes = to->rows.row_bytes = sizeof *here;
+    from->rows.row_bytes = to->rows.row_bytes = bytes;
     count(from, &out, m->ranks->n);
     count(to, &in, m->ranks->n);
-    for (uint64_t i = 0; i < from->items.n; ++i)
-        here[i] = colours_here(m, item_at(from, i));
     parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
 }
 
-// Contacts that are here, too, leave a ghost right. Not all need be here of those without a colour
-// of their own.
-static uint32_t wrong_colours(uint32_t at_home, uint32_t here)
+void halo_tell_home(halo *h, moving *m)
 {
-    return at_home & ~(here & ((1u << HALO_COLOURS) - 1));
+    uint32_t *at_home = h->sent.rows.rows;
+    const uint32_t *theirs = h->received.rows.rows;
+    for (uint64_t i = 0; i < h->sent.items.n; ++i) {
+        const halo_item *item = item_at(&h->sent, i);
+        at_home[i] = m->domains[item->domain].used[item->place];
+    }
+    tell(h, m, &h->sent, &h->received, sizeof *at_home);
+    for (uint64_t i = 0; i < h->received.items.n; ++i)
+        h->received.colours[i] = (ghost_colours){.at_home = theirs[i]};
 }
 
-static void list_wrong(halo_side *s, uint64_t i, uint32_t at_home, uint32_t here)
+static void list_ghost(halo_side *s, uint64_t i)
 {
-    const uint32_t colours = here != 0 ? wrong_colours(at_home, here) : 0;
-    for (uint32_t k = 0; k < HALO_COLOURS; ++k)
-        if (colours >> k & 1u)
-            row_list_add(&s->wrong_after[k], (uint32_t)i);
-    if (colours != 0)
-        row_list_add(&s->wrong_after[HALO_ANY], (uint32_t)i);
-    if (here == 0 && at_home != 0)
-        row_list_add(&s->wrong_after[HALO_LATE], (uint32_t)i);
+    const ghost_colours *c = &s->colours[i];
+    for (uint32_t k = 0; k <= HALO_END; ++k)
+        if (c->comes >> k & 1u)
+            row_list_add(&s->comes_after[k], (uint32_t)i);
+    if (c->here != 0 && (c->at_home & ~c->here & ((1u << HALO_COLOURS) - 1)) != 0)
+        row_list_add(&s->comes_after[HALO_ANY], (uint32_t)i);
+    if (c->here == 0 && c->at_home != 0)
+        row_list_add(&s->comes_after[HALO_LATE], (uint32_t)i);
 }
 
-static bool has_lists(const halo_side *s)
+static void list_ghosts(halo_side *s, duet_error *own)
 {
     bool failed = false;
     for (int k = 0; k < HALO_LISTS; ++k)
-        failed = failed || s->wrong_after[k].failed;
-    return !failed;
+        list_clear(&s->comes_after[k].list);
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        list_ghost(s, i);
+    for (int k = 0; k < HALO_LISTS; ++k)
+        failed = failed || s->comes_after[k].failed;
+    if (failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
 }
 
-void halo_note_colours(halo *h, moving *m, duet_error *own)
+void halo_ask(halo *h, moving *m, duet_error *own)
 {
-    const uint32_t *theirs = h->received.rows.rows;
-    for (int k = 0; k < HALO_LISTS; ++k) {
-        list_clear(&h->sent.wrong_after[k].list);
-        list_clear(&h->received.wrong_after[k].list);
-    }
-    tell_colours(h, m, &h->sent, &h->received);
-    for (uint64_t i = 0; i < h->received.items.n; ++i)
-        list_wrong(&h->received, i, theirs[i], colours_here(m, item_at(&h->received, i)));
-    tell_colours(h, m, &h->received, &h->sent);
-    theirs = h->sent.rows.rows;
-    for (uint64_t i = 0; i < h->sent.items.n; ++i)
-        list_wrong(&h->sent, i, colours_here(m, item_at(&h->sent, i)), theirs[i]);
-    if (!has_lists(&h->sent) || !has_lists(&h->received))
-        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+    const size_t bytes = sizeof(ghost_colours);
+    memcpy(h->received.rows.rows, h->received.colours, h->received.items.n * bytes);
+    tell(h, m, &h->received, &h->sent, (uint32_t)bytes);
+    memcpy(h->sent.colours, h->sent.rows.rows, h->sent.items.n * bytes);
+    list_ghosts(&h->sent, own);
+    list_ghosts(&h->received, own);
 }

@@ -7,7 +7,10 @@
 //   - A domain has, as ghosts, all bodies of others whose bounds then met those of its own that
 //     act: that move, or are sensors. Bodies are exchanged before one that has left these bounds
 //     takes a step. So all contacts of its own bodies that act are there, and right.
-//   - A ghost has its own domain's bits, at the step's beginning and after each colour.
+//   - A ghost has its own domain's bits at the step's beginning, and in a sweep of colours whenever
+//     a contact that is solved here needs it (closure.h).
+//   - Between steps a contact of two ghosts has the bits that it has at home, or it was left there:
+//     then it has no colour here, and is not solved.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
 #define CLUSTER_MOVING_DOMAINS_H
@@ -38,14 +41,24 @@ typedef struct moving_contact {
     uint32_t told; // 1: it touches, and events tell of it
 } moving_contact;
 
+// A contact of two ghosts, by ids.
+typedef struct left_contact {
+    uint32_t owner, other;
+} left_contact;
+
+typedef LIST_OF(left_contact, contacts) left_list;
+
 typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;    // of all ranks' domains
     item_list bodies;   // ascending by id; the motion's, place by place
     item_list contacts; // ascending; what the next step begins with
     uint32_t n_own;
-    uint32_t *used;    // [bodies], a bit for each colour of the contacts that it has here
-    row_list in_order; // its contacts of COLOUR_OVERFLOW: ascending places among those of all
+    uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here
+    uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
+    row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
+    left_list left;         // contacts of two ghosts that are not as at home: ascending
+    domain_contacts solved; // all contacts of the step, with colours if they are solved here
 } moving_domain;
 
 // Whether ranks have equal work.
@@ -64,6 +77,7 @@ struct moving {
     effect_facts facts;
     double extent;
     uint32_t parts; // domains of each rank
+    uint32_t every; // colours after which ghosts come at the latest
     uint32_t n_domains, n_all;
     cl_int4 base; // the origin cell that all count from
     size_t body_bytes, contact_bytes;
@@ -111,17 +125,26 @@ static inline bool moving_decides(const moving_domain *d, const moving_body *b)
     return b->own == d->number && moving_acts(b);
 }
 
-// Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
-static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
-{
-    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
-}
-
 // Returns the body at a place; NULL: a wall, or the ground.
 static inline const moving_body *moving_body_or_wall(const moving *m, const moving_domain *d,
                                                      uint32_t place)
 {
     return place < d->bodies.n ? moving_body_at(m, &d->bodies, place) : NULL;
+}
+
+// Whether the domain owns an end that acts, of a contact of the bodies or walls at two places.
+static inline bool moving_decides_contact(const moving *m, const moving_domain *d,
+                                          const uint32_t ends[2])
+{
+    const moving_body *a = moving_body_or_wall(m, d, ends[0]),
+                      *b = moving_body_or_wall(m, d, ends[1]);
+    return (a && moving_decides(d, a)) || (b && moving_decides(d, b));
+}
+
+// Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
+static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
+{
+    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
 }
 
 static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32_t place)
@@ -189,5 +212,16 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);
+
+// Of the step's contacts, takes away the colours of those of ghosts that are not solved here, and
+// finds when ghosts come.
+void moving_close(moving *m, duet_error *own);
+
+// Whether a contact of two ghosts was left at home.
+bool moving_is_left(const moving_domain *d, uint32_t owner, uint32_t other);
+
+// After a step: contacts that are solved at home alone, of ghosts that others are solved of here,
+// become as at home, so that the next step may solve them. Collective.
+bool moving_refresh(moving *m, duet_error *own);
 
 #endif

@@ -164,12 +164,12 @@ static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
     free(taken);
 }
 
-// Colours that leave no ghost of this rank wrong are solved together with the next one.
+// Colours after which no ghost of this rank goes or comes are solved together with the next one.
 static uint32_t end_of_colours(const moving *m, uint32_t from)
 {
     uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
     uint32_t to = from + 1;
-    while (to < colours && !halo_has_wrong(&m->halo, to - 1))
+    while (to < colours && !halo_comes(&m->halo, to - 1))
         ++to;
     return to;
 }
@@ -182,6 +182,7 @@ static void solve(moving *m, solve_pass pass, duet_error *own)
             solve_colours(m->domains[k].motion, from, to, pass, own);
         halo_exchange_after(&m->halo, m, to - 1, pass == SOLVE_RELAX, own);
     }
+    halo_exchange_after(&m->halo, m, HALO_END, pass == SOLVE_RELAX, own);
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
 }
@@ -279,6 +280,8 @@ static bool respond(moving *m, duet_error *own)
         return false;
     halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
+    if (!moving_refresh(m, own))
+        return false;
     if (t.sums[1] > 0)
         push_sleepers(m, own);
     each(m, domain_end_step, own);

@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/motion_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -137,9 +139,10 @@ void domain_contacts_free(domain_contacts *c)
     *c = (domain_contacts){0};
 }
 
-static bool reserve(domain_contacts *c, size_t record, duet_error *err)
+bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,
+                             duet_error *err)
 {
-    size_t n = (size_t)c->n + 1;
+    size_t n = (size_t)c->n + 1, record = with_records ? m->layout.record * sizeof(float) : 0;
     c->links = malloc(n * sizeof *c->links);
     c->touches = malloc(n * sizeof *c->touches);
     c->colours = malloc(n * sizeof *c->colours);
@@ -153,7 +156,7 @@ bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c,
     size_t record = with_records ? m->layout.record * sizeof(float) : 0;
     *c = (domain_contacts){.n = m->n > 0 ? m->graph.n_contacts : 0};
     size_t n = c->n;
-    bool ok = reserve(c, record, err) &&
+    bool ok = domain_contacts_reserve(c, m, with_records, err) &&
               (n == 0 ||
                (motion_fetch(m, stage, LINKS, 0, c->links, n * sizeof *c->links, err) &&
                 motion_fetch(m, stage, TOUCHES, 0, c->touches, n * sizeof *c->touches, err) &&
@@ -162,6 +165,48 @@ bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c,
     if (!ok)
         domain_contacts_free(c);
     return ok;
+}
+
+// Rows of a buffer by contact, in place if the device works on host memory; else a command each.
+static bool copy_rows(duet_motion *m, motion_buffer which, uint32_t words, const uint32_t *rows,
+                      uint32_t n, void *copy, bool writes, duet_error *err)
+{
+    const size_t bytes = words * sizeof(cl_uint);
+    motion_rows all = {0};
+    bool ok = true, in_place = m->buffers[which].host;
+    if (in_place && !motion_rows_of_contacts(m, which, words, &all, err))
+        return false;
+    for (uint32_t i = 0; ok && i < n; ++i) {
+        char *one = (char *)copy + i * bytes, *here = in_place ? motion_row(&all, rows[i]) : NULL;
+        if (in_place)
+            memcpy(writes ? here : one, writes ? one : here, bytes);
+        else
+            ok = writes ? timeline_write_at(&m->times, stage, &m->buffers[which], rows[i] * bytes,
+                                            one, bytes, err)
+                        : timeline_start_read(&m->times, stage, &m->buffers[which],
+                                              rows[i] * bytes, one, bytes, err);
+    }
+    return in_place ? motion_rows_close(m, &all, err) : ok && timeline_finish(&m->times, err);
+}
+
+static bool copy_contacts(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
+                          bool writes, duet_error *err)
+{
+    return c->n == 0 ||
+           (copy_rows(m, TOUCHES, 1, rows, c->n, c->touches, writes, err) &&
+            copy_rows(m, COLOUR_OF, 1, rows, c->n, c->colours, writes, err) &&
+            copy_rows(m, CONTACTS, m->layout.record, rows, c->n, c->records, writes, err));
+}
+
+bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, duet_error *err)
+{
+    return copy_contacts(m, rows, c, false, err);
+}
+
+bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
+                       duet_error *err)
+{
+    return copy_contacts(m, rows, c, true, err);
 }
 
 static bool put(duet_motion *m, motion_buffer which, const void *from, size_t n, size_t size,
