@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "cluster/moving_domains.h"
-#include "runtime/dynamics/motion_rows.h"
 
 #include <stdlib.h>
 
@@ -11,6 +10,7 @@ static void end_side(halo_side *s)
 {
     free(s->items.items);
     free(s->colours);
+    free(s->places);
     for (int i = 0; i < HALO_LISTS; ++i)
         free(s->comes_after[i].rows);
     parcels_end(&s->rows);
@@ -57,8 +57,10 @@ static halo_item *item_at(const halo_side *s, uint64_t i)
 static bool settle_list(halo_side *s, const moving *m, duet_error *own)
 {
     ghost_colours *colours = realloc(s->colours, (s->items.n + 1) * sizeof *colours);
+    uint32_t *places = realloc(s->places, (s->items.n + 1) * sizeof *places);
     s->colours = colours ? colours : s->colours;
-    if (!colours)
+    s->places = places ? places : s->places;
+    if (!colours || !places)
         return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     if (s->items.n > 0)
         qsort(s->items.items, s->items.n, sizeof(halo_item), compare);
@@ -138,60 +140,30 @@ bool halo_settle(halo *h, moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- rows
 
-static bool open_rows(const moving *m, motion_buffer which, motion_rows *rows, duet_error *own)
-{
-    bool ok = true;
-    for (uint32_t d = 0; ok && d < m->parts; ++d) {
-        duet_motion *motion = m->domains[d].motion;
-        ok = motion->n == 0 || motion_rows_open(motion, which, 0, motion->n, &rows[d], own);
-    }
-    return ok;
-}
-
-static void close_rows(const moving *m, motion_rows *rows, bool changed, duet_error *own)
-{
-    for (uint32_t d = 0; d < m->parts; ++d)
-        if (changed && rows[d].bytes)
-            motion_rows_close(m->domains[d].motion, &rows[d], own);
-        else
-            motion_rows_drop(&rows[d]);
-}
-
-// A part of a row that is sent.
-typedef struct row_part {
-    size_t at, bytes;
-} row_part;
-
-typedef struct row_parts {
-    row_part part[2];
-    uint32_t n;
-} row_parts;
-
 static size_t bytes_of(const row_parts *parts)
 {
-    return parts->part[0].bytes + (parts->n > 1 ? parts->part[1].bytes : 0);
+    return (parts->words[0] + parts->words[1]) * sizeof(uint32_t);
 }
 
-static void pack(halo_side *s, const chosen *c, const motion_rows *rows, const row_parts *parts)
+static row_parts whole_row(const moving *m, motion_buffer which)
 {
-    char *to = s->rows.rows;
-    for (uint64_t i = 0; i < c->n; ++i) {
-        const halo_item *item = chosen_at(s, c, i);
-        const char *row = motion_row(&rows[item->domain], item->place);
-        for (uint32_t k = 0; k < parts->n; to += parts->part[k++].bytes)
-            memcpy(to, row + parts->part[k].at, parts->part[k].bytes);
-    }
+    return (row_parts){.words = {motion_words(m->domains[0].motion, which)}};
 }
 
-static void unpack(const halo_side *s, const chosen *c, const motion_rows *rows,
-                   const row_parts *parts)
+typedef bool move_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                       const uint32_t *places, uint32_t n, void *packed, duet_error *err);
+
+// Items of one domain that follow each other are moved together.
+static void move_items(halo_side *s, const moving *m, motion_buffer which, const chosen *c,
+                       const row_parts *parts, move_rows *move, duet_error *own)
 {
-    const char *from = s->rows.rows;
-    for (uint64_t i = 0; i < c->n; ++i) {
-        const halo_item *item = chosen_at(s, c, i);
-        char *row = motion_row(&rows[item->domain], item->place);
-        for (uint32_t k = 0; k < parts->n; from += parts->part[k++].bytes)
-            memcpy(row + parts->part[k].at, from, parts->part[k].bytes);
+    char *packed = s->rows.rows;
+    for (uint64_t from = 0, to; is_well(own) && from < c->n; from = to) {
+        const uint32_t domain = chosen_at(s, c, from)->domain;
+        for (to = from; to < c->n && chosen_at(s, c, to)->domain == domain; ++to)
+            s->places[to - from] = chosen_at(s, c, to)->place;
+        move(m->domains[domain].motion, which, parts, s->places, (uint32_t)(to - from),
+             packed + from * bytes_of(parts), own);
     }
 }
 
@@ -200,29 +172,19 @@ static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out,
 {
     if (out->n == 0 && in->n == 0)
         return;
-    motion_rows *rows = calloc(m->parts, sizeof *rows);
     ++h->n_exchanges;
-    h->n_rows += out->n;
-    if (!rows)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     h->sent.rows.row_bytes = h->received.rows.row_bytes = (uint32_t)bytes_of(parts);
     count(&h->sent, out, m->ranks->n);
     count(&h->received, in, m->ranks->n);
-    bool opened = is_well(own) && open_rows(m, which, rows, own);
-    if (opened)
-        pack(&h->sent, out, rows, parts);
+    move_items(&h->sent, m, which, out, parts, domain_pack_rows, own);
     parcels_pass(m->ranks, &h->sent.rows, &h->received.rows, h->requests);
-    if (opened)
-        unpack(&h->received, in, rows, parts);
-    if (rows)
-        close_rows(m, rows, opened, own);
-    free(rows);
+    move_items(&h->received, m, which, in, parts, domain_unpack_rows, own);
 }
 
 void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 {
     const chosen out = all_of(&h->sent), in = all_of(&h->received);
-    const row_parts whole = {{{0, row_bytes(m, which)}}, 1};
+    const row_parts whole = whole_row(m, which);
     exchange(h, m, which, &out, &in, &whole, own);
 }
 
@@ -231,9 +193,11 @@ void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 // Velocities of a body lie first (kernels/dynamics/records.h).
 static row_parts parts_of_body(const duet_motion *motion, bool warm)
 {
+    enum { VECTOR = 4 };
     const bool turns = motion->layout.body == BODY_OF(1);
-    const size_t vector = 4 * sizeof(float), both = (turns ? 2 : 1) * vector;
-    return (row_parts){{{0, both}, {BODY_WARM_IMPULSE_OF(turns) * vector, both}}, warm ? 2 : 1};
+    const uint32_t both = (turns ? 2 : 1) * VECTOR;
+    return (row_parts){.at = {0, BODY_WARM_IMPULSE_OF(turns) * VECTOR},
+                       .words = {both, warm ? both : 0}};
 }
 
 void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
@@ -246,7 +210,7 @@ void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_er
 void halo_exchange_late(halo *h, moving *m, duet_error *own)
 {
     const chosen out = come_after(&h->sent, HALO_LATE), in = come_after(&h->received, HALO_LATE);
-    const row_parts whole = {{{0, row_bytes(m, BODIES)}}, 1};
+    const row_parts whole = whole_row(m, BODIES);
     exchange(h, m, BODIES, &out, &in, &whole, own);
 }
 
@@ -280,13 +244,20 @@ void halo_tell_home(halo *h, moving *m)
         h->received.colours[i] = (ghost_colours){.at_home = theirs[i]};
 }
 
+// The colours of contacts that leave the ghost wrong. Not all need be here of those without a
+// colour of their own.
+static uint32_t lost_of(const ghost_colours *c)
+{
+    return c->at_home & ~(c->here & ((1u << HALO_COLOURS) - 1));
+}
+
 static void list_ghost(halo_side *s, uint64_t i)
 {
     const ghost_colours *c = &s->colours[i];
     for (uint32_t k = 0; k <= HALO_END; ++k)
         if (c->comes >> k & 1u)
             row_list_add(&s->comes_after[k], (uint32_t)i);
-    if (c->here != 0 && (c->at_home & ~c->here & ((1u << HALO_COLOURS) - 1)) != 0)
+    if (c->here != 0 && lost_of(c) != 0)
         row_list_add(&s->comes_after[HALO_ANY], (uint32_t)i);
     if (c->here == 0 && c->at_home != 0)
         row_list_add(&s->comes_after[HALO_LATE], (uint32_t)i);

@@ -28,6 +28,7 @@ typedef struct halo_side {
     item_list items;                  // halo_item
     ghost_colours *colours;           // [items], of the step
     row_list comes_after[HALO_LISTS]; // items that are then to be sent
+    uint32_t *places;                 // [items] of those that travel
     parcels rows;
 } halo_side;
 
@@ -35,7 +36,6 @@ typedef struct halo {
     halo_side sent, received;
     MPI_Request *requests;
     uint64_t n_exchanges; // so far, in which this rank had rows to send or to receive
-    uint64_t n_rows;      // that were sent in them
 } halo;
 
 struct moving;

@@ -62,6 +62,17 @@ bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, 
 bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
                        duet_error *err);
 
+// Two parts of a row by object, in words: where they begin, and how long they are.
+typedef struct row_parts {
+    uint32_t at[2], words[2];
+} row_parts;
+
+// Reads parts of the rows of n places, each place once, one behind the other; and writes them.
+bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                      const uint32_t *places, uint32_t n, void *packed, duet_error *err);
+bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                        const uint32_t *places, uint32_t n, void *packed, duet_error *err);
+
 // With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
 // in a step; and makes that what touches before the next step, which duet_motion_advance takes.
 bool domain_note_touching(duet_motion *m, duet_error *err);
