@@ -11,7 +11,7 @@ return {
     pack_rows = [[
       const uint *rows
       uint row_words
-      uint4 row_parts
+      int4 row_parts
       const uint *ids
       uint n_ids
       uint *gathered
@@ -19,7 +19,7 @@ return {
     unpack_rows = [[
       uint *rows
       uint row_words
-      uint4 row_parts
+      int4 row_parts
       const uint *ids
       uint n_ids
       const uint *gathered

@@ -806,7 +806,7 @@ static void parts_of_rows_come_and_go(void)
     duet_motion *m = cluster->moving->domains[0].motion;
     const uint32_t words = motion_words(m, VELOCITIES);
     const row_parts whole = {.words = {words}}, ends = {{0, words - 1}, {2, 1}};
-    uint32_t before[N][8], after[N][8], packed[3 * N], again[3 * N];
+    uint32_t before[N * 8], after[N * 8], packed[3 * N], again[3 * N];
     void *host = m->buffers[VELOCITIES].host;
     MUST(words <= 8 && m->n > 20 && host, "rows are short, and the host's");
     MUST_OK(domain_pack_rows(m, VELOCITIES, &whole, places, N, before, &err), err);
@@ -822,7 +822,8 @@ static void parts_of_rows_come_and_go(void)
     for (uint32_t i = 0; i < N; ++i)
         for (uint32_t k = 0; k < words; ++k) {
             uint32_t at = k < 2 ? k : 2, more = k < 2 || k == words - 1 ? 1000 + 3 * i + at : 0;
-            MUST(after[i][k] == before[i][k] + more, "parts are written, and nothing else");
+            MUST(after[i * words + k] == before[i * words + k] + more,
+                 "parts are written, and nothing else");
         }
     duet_cluster_destroy(cluster);
 }
