@@ -3,8 +3,6 @@
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
-#include "runtime/dynamics/motion_rows.h"
-#include "runtime/dynamics/motion_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -165,48 +163,6 @@ bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c,
     if (!ok)
         domain_contacts_free(c);
     return ok;
-}
-
-// Rows of a buffer by contact, in place if the device works on host memory; else a command each.
-static bool copy_rows(duet_motion *m, motion_buffer which, uint32_t words, const uint32_t *rows,
-                      uint32_t n, void *copy, bool writes, duet_error *err)
-{
-    const size_t bytes = words * sizeof(cl_uint);
-    motion_rows all = {0};
-    bool ok = true, in_place = m->buffers[which].host;
-    if (in_place && !motion_rows_of_contacts(m, which, words, &all, err))
-        return false;
-    for (uint32_t i = 0; ok && i < n; ++i) {
-        char *one = (char *)copy + i * bytes, *here = in_place ? motion_row(&all, rows[i]) : NULL;
-        if (in_place)
-            memcpy(writes ? here : one, writes ? one : here, bytes);
-        else
-            ok = writes ? timeline_write_at(&m->times, stage, &m->buffers[which], rows[i] * bytes,
-                                            one, bytes, err)
-                        : timeline_start_read(&m->times, stage, &m->buffers[which],
-                                              rows[i] * bytes, one, bytes, err);
-    }
-    return in_place ? motion_rows_close(m, &all, err) : ok && timeline_finish(&m->times, err);
-}
-
-static bool copy_contacts(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
-                          bool writes, duet_error *err)
-{
-    return c->n == 0 ||
-           (copy_rows(m, TOUCHES, 1, rows, c->n, c->touches, writes, err) &&
-            copy_rows(m, COLOUR_OF, 1, rows, c->n, c->colours, writes, err) &&
-            copy_rows(m, CONTACTS, m->layout.record, rows, c->n, c->records, writes, err));
-}
-
-bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, duet_error *err)
-{
-    return copy_contacts(m, rows, c, false, err);
-}
-
-bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
-                       duet_error *err)
-{
-    return copy_contacts(m, rows, c, true, err);
 }
 
 static bool put(duet_motion *m, motion_buffer which, const void *from, size_t n, size_t size,

@@ -288,7 +288,7 @@ static uint64_t exchanges_of(const moving_scene *s, uint64_t hash, uint32_t colo
 // A pile of 12 colours; a sweep has an exchange at its end, if each domain solves what it needs.
 static void ghosts_come_once_a_sweep(void)
 {
-    const moving_scene s = {"falling", {{"n", "300"}, {"sleep", "false"}}, 2, 70, 300, 0};
+    const moving_scene s = {"falling", {{"n", "400"}, {"sleep", "false"}}, 2, 90, 500, 0};
     uint64_t hash = expected_hash(&s);
     if (rank > 0)
         return;
