@@ -323,6 +323,7 @@ void moving_end(moving *m)
         free(m->domains[k].contacts.items);
         free(m->domains[k].used);
         free(m->domains[k].ghost_at);
+        free(m->domains[k].kinds);
         free(m->domains[k].left.contacts);
         domain_contacts_free(&m->domains[k].solved);
         free(m->domains[k].in_order.rows);

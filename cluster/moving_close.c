@@ -36,10 +36,9 @@ static void note_left(const moving *m, moving_domain *d, uint32_t row, left_list
 
 // ---------------------------------------------------------------- near borders
 
-static uint32_t ghost_of(const moving *m, const moving_domain *d, uint32_t place)
+static uint32_t ghost_of(const moving_domain *d, uint32_t place)
 {
-    const moving_body *b = moving_body_or_wall(m, d, place);
-    return b && b->body.mass > 0.0f ? d->ghost_at[place] : CLOSURE_NONE;
+    return moving_is_ghost(d, place) ? d->ghost_at[place] : CLOSURE_NONE;
 }
 
 static bool has_ghost(const border_contact *one)
@@ -47,17 +46,17 @@ static bool has_ghost(const border_contact *one)
     return one->ghosts[0] != CLOSURE_NONE || one->ghosts[1] != CLOSURE_NONE;
 }
 
-static void list_border(const moving *m, const moving_domain *d, border_list *border)
+static void list_border(const moving_domain *d, border_list *border)
 {
     const domain_contacts *c = &d->solved;
     for (uint32_t i = 0; i < c->n; ++i) {
         const uint32_t *ends = c->links[i].s;
-        border_contact one = {.ghosts = {ghost_of(m, d, ends[0]), ghost_of(m, d, ends[1])},
+        border_contact one = {.ghosts = {ghost_of(d, ends[0]), ghost_of(d, ends[1])},
                               .colour = c->colours[i],
                               .row = i};
         if (one.colour > COLOUR_OVERFLOW || !has_ghost(&one))
             continue;
-        one.is_own = moving_decides_contact(m, d, ends);
+        one.is_own = moving_decides_contact(d, ends);
         list_add(&border->list, &one, 1, sizeof one);
     }
 }
@@ -72,7 +71,7 @@ static void watch(moving *m, const moving_domain *d, uint32_t row)
 {
     ghost_colours *ghosts = m->halo.received.colours;
     const uint32_t *ends = d->solved.links[row].s;
-    const uint32_t both[2] = {ghost_of(m, d, ends[0]), ghost_of(m, d, ends[1])};
+    const uint32_t both[2] = {ghost_of(d, ends[0]), ghost_of(d, ends[1])};
     bool watched = has_solved(ghosts, both[0]) || has_solved(ghosts, both[1]);
     for (int k = 0; watched && k < 2; ++k)
         if (both[k] != CLOSURE_NONE)
@@ -80,8 +79,8 @@ static void watch(moving *m, const moving_domain *d, uint32_t row)
 }
 
 // Contacts of the list come as rows do.
-static void leave_contacts(moving *m, moving_domain *d, const border_contact *list,
-                           uint64_t n, duet_error *own)
+static void leave_contacts(moving *m, moving_domain *d, const border_contact *list, uint64_t n,
+                           duet_error *own)
 {
     left_list now = {0};
     uint64_t at = 0;
@@ -89,7 +88,7 @@ static void leave_contacts(moving *m, moving_domain *d, const border_contact *li
         bool is_solved = at < n && list[at].row == i && list[at].is_solved;
         at += at < n && list[at].row == i;
         watch(m, d, i);
-        if (!is_solved && !moving_decides_contact(m, d, d->solved.links[i].s))
+        if (!is_solved && !moving_decides_contact(d, d->solved.links[i].s))
             note_left(m, d, i, &now);
     }
     if (now.failed)
@@ -116,7 +115,7 @@ void moving_close(moving *m, duet_error *own)
     border_list border = {0};
     uint64_t *first = calloc((size_t)m->parts + 1, sizeof *first);
     for (uint32_t k = 0; first && k < m->parts; ++k) {
-        list_border(m, &m->domains[k], &border);
+        list_border(&m->domains[k], &border);
         first[k + 1] = border.n;
     }
     if (!first || border.failed)

@@ -13,15 +13,14 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 // ---------------------------------------------------------------- one domain
 
 // Whether the contact changes a body that is awake. Sensors push nothing.
-static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i,
+static bool pushes(const moving_domain *d, const domain_contacts *c, uint32_t i,
                    const cl_uint *asleep)
 {
     bool is_awake = false, is_sensor = false;
     for (int k = 0; k < 2; ++k) {
         uint32_t place = c->links[i].s[k];
-        const moving_body *b = moving_body_or_wall(m, d, place);
-        is_sensor = is_sensor || (b && b->body.sensor);
-        is_awake = is_awake || (b && b->body.mass > 0.0f && !(asleep[place] & SLEEPS));
+        is_sensor = is_sensor || (d->kinds[place] & PLACE_SENSOR);
+        is_awake = is_awake || ((d->kinds[place] & PLACE_MOVES) && !(asleep[place] & SLEEPS));
     }
     return is_awake && !is_sensor && (c->touches[i] & TOUCH_POINTS) > 0;
 }
@@ -29,7 +28,7 @@ static bool pushes(const moving *m, const moving_domain *d, const domain_contact
 // Whether a contact that begins to push may be solved here: of two ghosts, only as at home.
 static bool may_wait(const moving *m, const moving_domain *d, const uint32_t ends[2])
 {
-    return moving_decides_contact(m, d, ends) ||
+    return moving_decides_contact(d, ends) ||
            (m->every > 1 && !moving_is_left(d, moving_id(m, d, ends[0]), moving_id(m, d, ends[1])));
 }
 
@@ -37,28 +36,26 @@ static bool may_wait(const moving *m, const moving_domain *d, const uint32_t end
 static void mark(const moving *m, const moving_domain *d, domain_contacts *c, const cl_uint *asleep)
 {
     for (uint32_t i = 0; i < c->n; ++i)
-        if (!pushes(m, d, c, i, asleep))
+        if (!pushes(d, c, i, asleep))
             c->colours[i] = COLOUR_NONE;
         else if (c->colours[i] == COLOUR_NONE && may_wait(m, d, c->links[i].s))
             c->colours[i] = COLOUR_WAITS;
 }
 
 // The colours that the contacts here have of each body that moves.
-static void note_used(const moving *m, moving_domain *d, const domain_contacts *c)
+static void note_used(moving_domain *d, const domain_contacts *c)
 {
     memset(d->used, 0, d->bodies.n * sizeof *d->used);
     for (uint32_t i = 0; i < c->n; ++i)
-        for (int k = 0; k < 2 && c->colours[i] <= COLOUR_OVERFLOW; ++k) {
-            const moving_body *b = moving_body_or_wall(m, d, c->links[i].s[k]);
-            if (b && b->body.mass > 0.0f)
+        for (int k = 0; k < 2 && c->colours[i] <= COLOUR_OVERFLOW; ++k)
+            if (d->kinds[c->links[i].s[k]] & PLACE_MOVES)
                 d->used[c->links[i].s[k]] |= 1u << c->colours[i];
-        }
 }
 
 // The colours that an end has, if all its contacts are here.
-static uint32_t used_of(const moving_domain *d, const moving_body *b, uint32_t place)
+static uint32_t used_of(const moving_domain *d, uint32_t place)
 {
-    return b && moving_decides(d, b) ? d->used[place] : 0;
+    return moving_decides_at(d, place) ? d->used[place] : 0;
 }
 
 static void list_waiting(const moving *m, const moving_domain *d, const domain_contacts *c,
@@ -66,15 +63,13 @@ static void list_waiting(const moving *m, const moving_domain *d, const domain_c
 {
     for (uint32_t i = 0; i < c->n; ++i) {
         uint32_t a = c->links[i].s[0], b = c->links[i].s[1];
-        const moving_body *owner = moving_body_or_wall(m, d, a),
-                          *other = moving_body_or_wall(m, d, b);
-        if (c->colours[i] != COLOUR_WAITS || !moving_decides_contact(m, d, c->links[i].s))
+        if (c->colours[i] != COLOUR_WAITS || !moving_decides_contact(d, c->links[i].s))
             continue;
-        const waiting_contact one = {.owner = owner->id,
+        const waiting_contact one = {.owner = moving_id(m, d, a),
                                      .other = moving_id(m, d, b),
-                                     .other_moves = other && other->body.mass > 0.0f,
-                                     .owner_used = used_of(d, owner, a),
-                                     .other_used = used_of(d, other, b)};
+                                     .other_moves = (d->kinds[b] & PLACE_MOVES) != 0,
+                                     .owner_used = used_of(d, a),
+                                     .other_used = used_of(d, b)};
         list_add(&waiting->list, &one, 1, sizeof one);
     }
 }
@@ -87,7 +82,7 @@ static void wait_for_colours(const moving *m, moving_domain *d, domain_contacts 
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
     else if (domain_read_asleep(d->motion, asleep, own)) {
         mark(m, d, c, asleep);
-        note_used(m, d, c);
+        note_used(d, c);
         list_waiting(m, d, c, waiting);
     }
     free(asleep);
@@ -132,18 +127,18 @@ static void take_colours(const moving *m, moving_domain *d, domain_contacts *c,
                                         moving_id(m, d, c->links[i].s[1]));
         c->colours[i] = found != COLOUR_NONE ? found : COLOUR_WAITS;
     }
-    note_used(m, d, c);
+    note_used(d, c);
 }
 
 // A contact is counted by the domain whose own its owner is.
-static void count(const moving *m, const moving_domain *d, const domain_contacts *c, tally *t)
+static void count(const moving_domain *d, const domain_contacts *c, tally *t)
 {
     for (uint32_t i = 0; i < c->n; ++i) {
         if (c->colours[i] >= COLOUR_WAITS)
             continue;
         t->greatest[0] =
             c->colours[i] + 1.0 > t->greatest[0] ? c->colours[i] + 1.0 : t->greatest[0];
-        t->sums[0] += moving_is_own(d, moving_body_or_wall(m, d, c->links[i].s[0]));
+        t->sums[0] += d->kinds[c->links[i].s[0]] & PLACE_OWN;
     }
 }
 
@@ -213,7 +208,7 @@ static bool give_colours(moving *m, duet_error *own)
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         moving_domain *d = &m->domains[k];
         domain_take_colours(d->motion, d->solved.colours, own);
-        count(m, d, &d->solved, &t);
+        count(d, &d->solved, &t);
     }
     return end_colouring(m, &t, own);
 }

@@ -48,6 +48,9 @@ typedef struct left_contact {
 
 typedef LIST_OF(left_contact, contacts) left_list;
 
+// What is known of a place, apart from the long rows of bodies; a wall is of no kind.
+enum { PLACE_OWN = 1 << 0, PLACE_MOVES = 1 << 1, PLACE_SENSOR = 1 << 2 };
+
 typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;    // of all ranks' domains
@@ -56,6 +59,7 @@ typedef struct moving_domain {
     uint32_t n_own;
     uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here
     uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
+    uint8_t *kinds;         // [bodies + FIXED]
     row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     left_list left;         // contacts of two ghosts that are not as at home: ascending
     domain_contacts solved; // all contacts of the step, with colours if they are solved here
@@ -132,13 +136,23 @@ static inline const moving_body *moving_body_or_wall(const moving *m, const movi
     return place < d->bodies.n ? moving_body_at(m, &d->bodies, place) : NULL;
 }
 
-// Whether the domain owns an end that acts, of a contact of the bodies or walls at two places.
-static inline bool moving_decides_contact(const moving *m, const moving_domain *d,
-                                          const uint32_t ends[2])
+// Whether the domain owns the body at a place, or wall, and it acts.
+static inline bool moving_decides_at(const moving_domain *d, uint32_t place)
 {
-    const moving_body *a = moving_body_or_wall(m, d, ends[0]),
-                      *b = moving_body_or_wall(m, d, ends[1]);
-    return (a && moving_decides(d, a)) || (b && moving_decides(d, b));
+    const uint8_t kind = d->kinds[place];
+    return (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
+}
+
+// Whether the domain owns an end that acts, of a contact of two places.
+static inline bool moving_decides_contact(const moving_domain *d, const uint32_t ends[2])
+{
+    return moving_decides_at(d, ends[0]) || moving_decides_at(d, ends[1]);
+}
+
+// Whether the body at a place moves and is another domain's.
+static inline bool moving_is_ghost(const moving_domain *d, uint32_t place)
+{
+    return (d->kinds[place] & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
 }
 
 // Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.

@@ -383,15 +383,28 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     domain_contacts_free(&r.contacts);
 }
 
+static void note_kinds(const moving *m, moving_domain *d)
+{
+    memset(d->kinds, 0, d->bodies.n + FIXED);
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        d->kinds[i] = (uint8_t)((moving_is_own(d, b) ? PLACE_OWN : 0) |
+                                (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
+                                (b->body.sensor ? PLACE_SENSOR : 0));
+    }
+}
+
 // All bodies are own ones until ghosts are noted.
 static void reserve_places(moving_domain *d, duet_error *own)
 {
-    const size_t bytes = (d->bodies.n + 1) * sizeof(uint32_t);
+    const size_t n = d->bodies.n + FIXED, bytes = n * sizeof(uint32_t);
     uint32_t *used = realloc(d->used, bytes), *ghost_at = realloc(d->ghost_at, bytes);
+    uint8_t *kinds = realloc(d->kinds, n);
     d->used = used ? used : d->used;
     d->ghost_at = ghost_at ? ghost_at : d->ghost_at;
+    d->kinds = kinds ? kinds : d->kinds;
     list_clear(&d->left.list);
-    if (used && ghost_at) {
+    if (used && ghost_at && kinds) {
         memset(used, 0, bytes);
         memset(ghost_at, 0xFF, bytes);
     } else {
@@ -409,6 +422,8 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
         reserve_places(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
+        if (is_well(own))
+            note_kinds(m, &m->domains[k]);
     }
     if (ok)
         moving_note_touching(m, own);

@@ -331,8 +331,8 @@ static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *o
         return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
     within = domain_read_bounds(d->motion, bounds, own);
     for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        within = !moving_is_own(d, b) || is_within(b, bounds + 6 * i, m->def.dims);
+        within = !(d->kinds[i] & PLACE_OWN) ||
+                 is_within(moving_body_at(m, &d->bodies, i), bounds + 6 * i, m->def.dims);
     }
     free(bounds);
     return within;
