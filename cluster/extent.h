@@ -66,6 +66,14 @@ static inline bool extents_meet(const extent *a, const extent *b)
     return meet;
 }
 
+static inline bool extent_within(const extent *inner, const extent *outer)
+{
+    bool within = true;
+    for (int k = 0; k < 3; ++k)
+        within &= (inner->lower[k] >= outer->lower[k]) & (inner->upper[k] <= outer->upper[k]);
+    return within;
+}
+
 // Whether a point lies inside, and not on the surface.
 static inline bool extent_holds(const extent *e, const double point[3])
 {

@@ -329,6 +329,7 @@ void moving_end(moving *m)
         free(m->domains[k].in_order.rows);
     }
     free(m->domains);
+    free(m->reaches);
     halo_end(&m->halo);
     moving_events_end(&m->events);
     bisection_end(&m->cuts);

@@ -4,9 +4,10 @@
 // Invariants:
 //   - Each body is one domain's own. Domain d is of rank d / parts, and the box that held the
 //     body's centre when bodies were last exchanged is its own domain's.
-//   - A domain has, as ghosts, all bodies of others whose bounds then met those of its own that
-//     act: that move, or are sensors. Bodies are exchanged before one that has left these bounds
-//     takes a step. So all contacts of its own bodies that act are there, and right.
+//   - A domain has, as ghosts, all bodies of others whose bounds then met its reach: the box around
+//     those of its own that act, that move or are sensors. Bodies are exchanged before one takes a
+//     step whose bounds have left its domain's reach, or meet one that they did not meet then. So
+//     all contacts of its own bodies that act are there, and right.
 //   - A ghost has its own domain's bits at the step's beginning, and in a sweep of colours whenever
 //     a contact that is solved here needs it (closure.h).
 //   - Between steps a contact of two ghosts has the bits that it has at home, or it was left there:
@@ -86,6 +87,7 @@ struct moving {
     cl_int4 base; // the origin cell that all count from
     size_t body_bytes, contact_bytes;
     bisection cuts;
+    extent *reaches;        // [n_domains], when bodies were last exchanged
     moving_domain *domains; // [parts]
     halo halo;
     moving_events events;
@@ -193,6 +195,10 @@ duet_motion *moving_create(const moving *m, duet_error *own);
 
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
+
+// Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
+// all domains that have what it may touch.
+bool moving_stays(const moving *m, uint32_t domain, const extent *old, const extent *now);
 
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);

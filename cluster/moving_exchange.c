@@ -122,13 +122,12 @@ static double layers_of(const moving *m)
     return lesser(m->every - 1.0, most);
 }
 
-static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *b,
-                          const extent *reaches, item_list *out)
+static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *b, item_list *out)
 {
     const extent box = {{b->bounds[0], b->bounds[1], b->bounds[2]},
                         {b->bounds[3], b->bounds[4], b->bounds[5]}};
     for (uint32_t to = 0; to < m->n_domains; ++to) {
-        if (to == d->number || !extents_meet(&box, &reaches[to]))
+        if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
         list_add(out, b, 1, m->body_bytes);
         if (!out->failed)
@@ -158,29 +157,35 @@ static void note_ghosts(moving *m)
     }
 }
 
+static bool find_reaches(moving *m, duet_error *own)
+{
+    extent *here = calloc(m->parts, sizeof *here);
+    if (!m->reaches)
+        m->reaches = calloc(m->n_domains, sizeof *m->reaches);
+    if (!here || !m->reaches)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+    bool ok = ranks_agree(m->ranks, is_well(own), own);
+    for (uint32_t k = 0; ok && k < m->parts; ++k)
+        here[k] = extent_grown(reach_of(m, &m->domains[k]), layers_of(m) * m->extent);
+    if (ok)
+        ranks_gather(m->ranks, here, m->reaches, (int)(m->parts * sizeof *here));
+    free(here);
+    return ok;
+}
+
 static bool exchange_ghosts(moving *m, duet_error *own)
 {
     item_list out = {0};
-    extent *all = calloc((size_t)m->n_domains + m->parts, sizeof *all), *here = all + m->n_domains;
     halo_clear(&m->halo);
-    if (!all)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
-    if (!ranks_agree(m->ranks, is_well(own), own)) {
-        free(all);
+    if (!find_reaches(m, own))
         return false;
-    }
-    for (uint32_t k = 0; k < m->parts; ++k)
-        here[k] = extent_grown(reach_of(m, &m->domains[k]), layers_of(m) * m->extent);
-    ranks_gather(m->ranks, here, all, (int)(m->parts * sizeof *all));
     for (uint32_t k = 0; k < m->parts; ++k)
         for (uint64_t i = 0; i < m->domains[k].bodies.n; ++i)
-            add_ghosts_of(m, &m->domains[k], moving_body_at(m, &m->domains[k].bodies, i), all,
-                          &out);
+            add_ghosts_of(m, &m->domains[k], moving_body_at(m, &m->domains[k].bodies, i), &out);
     bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
     if (ok && is_well(own))
         note_ghosts(m);
     free(out.items);
-    free(all);
     return ok;
 }
 

@@ -789,6 +789,38 @@ static void closures_leave_nothing_wrong(uint64_t seed)
     MUST(times[1] > 0 && 2 * times[1] < times[0], "ghosts come less often");
 }
 
+// ---------------------------------------------------------------- bounds
+
+static extent cube_at(double x, double y)
+{
+    return (extent){{x - 0.5, y - 0.5, 0.0}, {x + 0.5, y + 0.5, 1.0}};
+}
+
+// Two domains side by side, whose reaches overlap for x from 9 to 11.
+static void bodies_far_from_borders_stay(void)
+{
+    extent reaches[] = {{{0, 0, 0}, {11, 10, 1}}, {{9, 0, 0}, {20, 10, 1}}};
+    const moving m = {.n_domains = 2, .reaches = reaches};
+    static const struct {
+        double from, to; // x; y is 5
+        bool stays;
+    } moves[] = {
+        {3, 3.2, true},   // inside
+        {3, 8, true},     // it meets the other's reach neither before nor now
+        {3, 9, false},    // now it does
+        {9, 10.4, true},  // it did before, so it is a ghost there
+        {9, 10.6, false}, // it leaves its own domain's reach
+        {10.6, 9, true},  // back into it
+    };
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
+        const extent old = cube_at(moves[i].from, 5), now = cube_at(moves[i].to, 5);
+        MUST(moving_stays(&m, 0, &old, &now) == moves[i].stays, "whether a body stays");
+        const extent mirrored = cube_at(20 - moves[i].from, 5),
+                     there = cube_at(20 - moves[i].to, 5);
+        MUST(moving_stays(&m, 1, &mirrored, &there) == moves[i].stays, "as in a mirror");
+    }
+}
+
 // ---------------------------------------------------------------- rows
 
 // Parts of rows by a device that does not work on the host's memory: as one that does has them.
@@ -863,6 +895,7 @@ int main(int argc, char **argv)
     MUST(n == 8, "run by mpirun -np 8");
     if (rank == 0) {
         printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+        bodies_far_from_borders_stay();
         colours_follow_from_ids(seed);
         closures_leave_nothing_wrong(seed);
         times_tell_what_contacts_cost(seed);
