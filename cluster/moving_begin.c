@@ -326,6 +326,8 @@ void moving_end(moving *m)
         free(m->domains[k].kinds);
         free(m->domains[k].left.contacts);
         domain_contacts_free(&m->domains[k].solved);
+        free(m->domains[k].border.rows);
+        free(m->domains[k].waiting.rows);
         free(m->domains[k].in_order.rows);
     }
     free(m->domains);

@@ -41,23 +41,16 @@ static uint32_t ghost_of(const moving_domain *d, uint32_t place)
     return moving_is_ghost(d, place) ? d->ghost_at[place] : CLOSURE_NONE;
 }
 
-static bool has_ghost(const border_contact *one)
-{
-    return one->ghosts[0] != CLOSURE_NONE || one->ghosts[1] != CLOSURE_NONE;
-}
-
 static void list_border(const moving_domain *d, border_list *border)
 {
-    const domain_contacts *c = &d->solved;
-    for (uint32_t i = 0; i < c->n; ++i) {
-        const uint32_t *ends = c->links[i].s;
-        border_contact one = {.ghosts = {ghost_of(d, ends[0]), ghost_of(d, ends[1])},
-                              .colour = c->colours[i],
-                              .row = i};
-        if (one.colour > COLOUR_OVERFLOW || !has_ghost(&one))
-            continue;
-        one.is_own = moving_decides_contact(d, ends);
-        list_add(&border->list, &one, 1, sizeof one);
+    for (uint64_t i = 0; i < d->border.n; ++i) {
+        const uint32_t row = d->border.rows[i], *ends = d->solved.links[row].s;
+        const border_contact one = {.ghosts = {ghost_of(d, ends[0]), ghost_of(d, ends[1])},
+                                    .colour = d->solved.colours[row],
+                                    .row = row,
+                                    .is_own = moving_decides_contact(d, ends)};
+        if (one.colour <= COLOUR_OVERFLOW)
+            list_add(&border->list, &one, 1, sizeof one);
     }
 }
 
@@ -84,12 +77,13 @@ static void leave_contacts(moving *m, moving_domain *d, const border_contact *li
 {
     left_list now = {0};
     uint64_t at = 0;
-    for (uint32_t i = 0; i < d->solved.n; ++i) {
-        bool is_solved = at < n && list[at].row == i && list[at].is_solved;
-        at += at < n && list[at].row == i;
-        watch(m, d, i);
-        if (!is_solved && !moving_decides_contact(d, d->solved.links[i].s))
-            note_left(m, d, i, &now);
+    for (uint64_t i = 0; i < d->border.n; ++i) {
+        const uint32_t row = d->border.rows[i];
+        bool is_solved = at < n && list[at].row == row && list[at].is_solved;
+        at += at < n && list[at].row == row;
+        watch(m, d, row);
+        if (!is_solved && !moving_decides_contact(d, d->solved.links[row].s))
+            note_left(m, d, row, &now);
     }
     if (now.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");

@@ -32,24 +32,39 @@ static bool may_wait(const moving *m, const moving_domain *d, const uint32_t end
            (m->every > 1 && !moving_is_left(d, moving_id(m, d, ends[0]), moving_id(m, d, ends[1])));
 }
 
-// A contact keeps its colour while it pushes.
-static void mark(const moving *m, const moving_domain *d, domain_contacts *c, const cl_uint *asleep)
+static void note_used(moving_domain *d, uint32_t row)
 {
-    for (uint32_t i = 0; i < c->n; ++i)
-        if (!pushes(d, c, i, asleep))
-            c->colours[i] = COLOUR_NONE;
-        else if (c->colours[i] == COLOUR_NONE && may_wait(m, d, c->links[i].s))
-            c->colours[i] = COLOUR_WAITS;
+    const uint32_t *ends = d->solved.links[row].s;
+    for (int k = 0; k < 2; ++k)
+        if (d->kinds[ends[k]] & PLACE_MOVES)
+            d->used[ends[k]] |= 1u << d->solved.colours[row];
 }
 
-// The colours that the contacts here have of each body that moves.
-static void note_used(moving_domain *d, const domain_contacts *c)
+// A contact keeps its colour while it pushes.
+static void mark(const moving *m, moving_domain *d, uint32_t row, const cl_uint *asleep)
+{
+    uint32_t *colour = &d->solved.colours[row];
+    if (!pushes(d, &d->solved, row, asleep))
+        *colour = COLOUR_NONE;
+    else if (*colour == COLOUR_NONE && may_wait(m, d, d->solved.links[row].s))
+        *colour = COLOUR_WAITS;
+    if (*colour <= COLOUR_OVERFLOW)
+        note_used(d, row);
+    else if (*colour == COLOUR_WAITS)
+        row_list_add(&d->waiting, row);
+}
+
+static void mark_all(const moving *m, moving_domain *d, const cl_uint *asleep)
 {
     memset(d->used, 0, d->bodies.n * sizeof *d->used);
-    for (uint32_t i = 0; i < c->n; ++i)
-        for (int k = 0; k < 2 && c->colours[i] <= COLOUR_OVERFLOW; ++k)
-            if (d->kinds[c->links[i].s[k]] & PLACE_MOVES)
-                d->used[c->links[i].s[k]] |= 1u << c->colours[i];
+    list_clear(&d->border.list);
+    list_clear(&d->waiting.list);
+    for (uint32_t row = 0; row < d->solved.n; ++row) {
+        const uint32_t *ends = d->solved.links[row].s;
+        if (moving_is_ghost(d, ends[0]) || moving_is_ghost(d, ends[1]))
+            row_list_add(&d->border, row);
+        mark(m, d, row, asleep);
+    }
 }
 
 // The colours that an end has, if all its contacts are here.
@@ -58,33 +73,32 @@ static uint32_t used_of(const moving_domain *d, uint32_t place)
     return moving_decides_at(d, place) ? d->used[place] : 0;
 }
 
-static void list_waiting(const moving *m, const moving_domain *d, const domain_contacts *c,
-                         waiting_list *waiting)
+static void list_waiting(const moving *m, const moving_domain *d, waiting_list *waiting)
 {
-    for (uint32_t i = 0; i < c->n; ++i) {
-        uint32_t a = c->links[i].s[0], b = c->links[i].s[1];
-        if (c->colours[i] != COLOUR_WAITS || !moving_decides_contact(d, c->links[i].s))
-            continue;
-        const waiting_contact one = {.owner = moving_id(m, d, a),
-                                     .other = moving_id(m, d, b),
-                                     .other_moves = (d->kinds[b] & PLACE_MOVES) != 0,
-                                     .owner_used = used_of(d, a),
-                                     .other_used = used_of(d, b)};
-        list_add(&waiting->list, &one, 1, sizeof one);
+    for (uint64_t i = 0; i < d->waiting.n; ++i) {
+        const uint32_t *ends = d->solved.links[d->waiting.rows[i]].s;
+        const waiting_contact one = {.owner = moving_id(m, d, ends[0]),
+                                     .other = moving_id(m, d, ends[1]),
+                                     .other_moves = (d->kinds[ends[1]] & PLACE_MOVES) != 0,
+                                     .owner_used = used_of(d, ends[0]),
+                                     .other_used = used_of(d, ends[1])};
+        if (moving_decides_contact(d, ends))
+            list_add(&waiting->list, &one, 1, sizeof one);
     }
 }
 
-static void wait_for_colours(const moving *m, moving_domain *d, domain_contacts *c,
-                             waiting_list *waiting, duet_error *own)
+static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *waiting,
+                             duet_error *own)
 {
     cl_uint *asleep = calloc(d->bodies.n + 1, sizeof *asleep);
     if (!asleep)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-    else if (domain_read_asleep(d->motion, asleep, own)) {
-        mark(m, d, c, asleep);
-        note_used(d, c);
-        list_waiting(m, d, c, waiting);
-    }
+    else if (domain_read_asleep(d->motion, asleep, own))
+        mark_all(m, d, asleep);
+    if (d->border.failed || d->waiting.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+    if (is_well(own))
+        list_waiting(m, d, waiting);
     free(asleep);
 }
 
@@ -117,17 +131,18 @@ static bool tell_all(moving *m, const waiting_list *waiting, parcels *all, duet_
 }
 
 // A contact of two ghosts that does not wait at home waits on: its colour is not known here.
-static void take_colours(const moving *m, moving_domain *d, domain_contacts *c,
-                         const waiting_contact *waiting, uint64_t n)
+static void take_colours(const moving *m, moving_domain *d, const waiting_contact *waiting,
+                         uint64_t n)
 {
-    for (uint32_t i = 0; i < c->n; ++i) {
-        if (c->colours[i] != COLOUR_WAITS)
+    for (uint64_t i = 0; i < d->waiting.n; ++i) {
+        const uint32_t row = d->waiting.rows[i], *ends = d->solved.links[row].s;
+        uint32_t found =
+            colouring_find(waiting, n, moving_id(m, d, ends[0]), moving_id(m, d, ends[1]));
+        if (found == COLOUR_NONE)
             continue;
-        uint32_t found = colouring_find(waiting, n, moving_id(m, d, c->links[i].s[0]),
-                                        moving_id(m, d, c->links[i].s[1]));
-        c->colours[i] = found != COLOUR_NONE ? found : COLOUR_WAITS;
+        d->solved.colours[row] = found;
+        note_used(d, row);
     }
-    note_used(d, c);
 }
 
 // A contact is counted by the domain whose own its owner is.
@@ -221,14 +236,14 @@ bool moving_colour(moving *m, duet_error *own)
         moving_domain *d = &m->domains[k];
         domain_contacts_free(&d->solved);
         if (domain_read_contacts(d->motion, false, &d->solved, own))
-            wait_for_colours(m, d, &d->solved, &waiting, own);
+            wait_for_colours(m, d, &waiting, own);
     }
     bool ok = tell_all(m, &waiting, &all, own);
     uint64_t n = all.n;
     if (ok && is_well(own))
         colouring_run(all.rows, &n, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        take_colours(m, &m->domains[k], &m->domains[k].solved, all.rows, n);
+        take_colours(m, &m->domains[k], all.rows, n);
     ok = ok && give_colours(m, own);
     free(waiting.contacts);
     parcels_end(&all);

@@ -64,6 +64,8 @@ typedef struct moving_domain {
     row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     left_list left;         // contacts of two ghosts that are not as at home: ascending
     domain_contacts solved; // all contacts of the step, with colours if they are solved here
+    row_list border;        // rows of them that have a ghost
+    row_list waiting;       // and of those that wait for a colour
 } moving_domain;
 
 // Whether ranks have equal work.
