@@ -5,7 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
-#include "tuner/core_spread.h"
+#include "tuner/measure.h"
 #include "tuner/stats.h"
 
 #include <stdlib.h>
@@ -30,7 +30,7 @@ typedef struct subject {
 static bool advance(const subject *s, duet_motion *m, double *ms, duet_error *err)
 {
     duet_motion_result result;
-    core_watch_start(s->tally->cores, core_spread(s->def.pair));
+    measure_watch(s->tally->cores, s->def.pair);
     bool ok = duet_motion_advance(m, &result, err);
     core_watch_stop(s->tally->cores);
     *ms = ok ? result.total_ms : 0;

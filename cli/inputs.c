@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/say.h"
+#include "runtime/broadphase/variant.h"
 #include "runtime/scene/scene.h"
 #include "runtime/task/task.h"
 
@@ -185,15 +186,10 @@ bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair 
 static bool change_mode(const char *name, duet_mode *mode, duet_error *err)
 {
     text known = {0};
-    for (int m = 0; duet_mode_name((duet_mode)m); ++m) {
-        const char *other = duet_mode_name((duet_mode)m);
-        if (strcmp(name, other) == 0) {
-            *mode = (duet_mode)m;
-            text_free(&known);
-            return true;
-        }
-        text_add(&known, "%s%s", m ? ", " : "", other);
-    }
+    if (mode_from_name(name, mode))
+        return true;
+    for (int m = 0; duet_mode_name((duet_mode)m); ++m)
+        text_add(&known, "%s%s", m ? ", " : "", duet_mode_name((duet_mode)m));
     error_set(err, DUET_STATUS_BAD_ARGUMENT, "--mode '%s': the modes are %s", name,
               text_chars(&known));
     text_free(&known);
@@ -239,15 +235,15 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
     return inputs_read_level(options->level, &def->level, err);
 }
 
-static bool change_variant(const char *variant, char to[DUET_VARIANT], duet_error *err)
+static bool change_variant(const char *name, char to[DUET_VARIANT], duet_error *err)
 {
-    if (!variant)
+    if (!name)
         return true;
-    if (strlen(variant) >= DUET_VARIANT)
+    if (strlen(name) >= DUET_VARIANT)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a variant of %zu characters: %d are the most", strlen(variant),
+                         "a variant of %zu characters: %d are the most", strlen(name),
                          DUET_VARIANT - 1);
-    strcpy(to, variant);
+    strcpy(to, name);
     return true;
 }
 

@@ -6,7 +6,7 @@
 #include "cli/say.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/scene/scene.h"
-#include "tuner/core_spread.h"
+#include "tuner/measure.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -77,7 +77,7 @@ static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *sce
 {
     if (!hand_over(world, scene, input, err))
         return false;
-    core_watch_start(cores, core_spread(world->def.pair));
+    measure_watch(cores, world->def.pair);
     if (!duet_world_step(world, &t->last, err) || !keep_step(t, &t->last, err))
         return false;
     core_watch_stop(cores);

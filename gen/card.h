@@ -36,8 +36,8 @@ typedef struct card {
 } card;
 
 typedef struct card_launch {
-    uint32_t group;
-    uint32_t per_item;
+    gen_axis axes[3];
+    uint32_t n_axes;
 } card_launch;
 
 bool card_open(card *c, const char *kernel, const char *path, const text *chars, duet_error *err);

@@ -58,15 +58,44 @@ static void ask_valid(lua_State *L, question *q)
     lua_settop(L, 2);
 }
 
-static uint32_t launch_field(lua_State *L, const char *name)
+// A number, which is on top, and pops it.
+static uint32_t launch_number(lua_State *L, const char *name)
 {
-    lua_getfield(L, -1, name);
     int whole = 0;
     lua_Integer value = lua_tointegerx(L, -1, &whole);
     if (!whole || value < 1 || value > INT32_MAX)
         luaL_error(L, "launch gives no %s of 1 or more", name);
     lua_pop(L, 1);
     return (uint32_t)value;
+}
+
+// A number for the first axis, or a list with one for each; returns how many axes.
+static uint32_t launch_field(lua_State *L, const char *name, uint32_t values[3])
+{
+    values[0] = values[1] = values[2] = 1;
+    if (lua_getfield(L, -1, name) != LUA_TTABLE) {
+        values[0] = launch_number(L, name);
+        return 1;
+    }
+    lua_Unsigned n = lua_rawlen(L, -1);
+    if (n < 1 || n > 3)
+        luaL_error(L, "launch gives a list of %d for %s; expected 1 to 3 axes", (int)n, name);
+    for (lua_Unsigned i = 0; i < n; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i + 1);
+        values[i] = launch_number(L, name);
+    }
+    lua_pop(L, 1);
+    return (uint32_t)n;
+}
+
+static void read_axes(lua_State *L, bool asks, card_launch *launch)
+{
+    uint32_t groups[3], per_item[3];
+    uint32_t n = launch_field(L, asks ? "group" : "WG", groups);
+    uint32_t others = launch_field(L, asks ? "per_item" : "PER_ITEM", per_item);
+    launch->n_axes = n > others ? n : others;
+    for (int i = 0; i < 3; ++i)
+        launch->axes[i] = (gen_axis){groups[i], per_item[i]};
 }
 
 // launch(p), where the card has it, else WG and PER_ITEM. A group above the device's limit is
@@ -80,11 +109,13 @@ static void ask_launch(lua_State *L, question *q)
     if (lua_type(L, -1) != LUA_TTABLE)
         luaL_error(L, "launch gives a %s, not { group = ..., per_item = ... }",
                    luaL_typename(L, -1));
-    q->launch.group = launch_field(L, asks ? "group" : "WG");
-    q->launch.per_item = launch_field(L, asks ? "per_item" : "PER_ITEM");
-    q->is_valid = q->launch.group <= q->limits->max_group;
-    snprintf(q->reason, sizeof q->reason, "a group of %" PRIu32 " is above the device's %" PRIu32,
-             q->launch.group, q->limits->max_group);
+    read_axes(L, asks, &q->launch);
+    double group = 1;
+    for (int i = 0; i < 3; ++i)
+        group *= q->launch.axes[i].group;
+    q->is_valid = group <= q->limits->max_group;
+    snprintf(q->reason, sizeof q->reason, "a group of %.0f is above the device's %" PRIu32, group,
+             q->limits->max_group);
 }
 
 // [1] the question
@@ -183,8 +214,10 @@ bool card_resolve(card *c, const gen_limits *limits, const gen_setting *config,
     if (!card_check(c, limits, config, &launch, err) || !find_entries(c, config, variant, err) ||
         !name_variant(c, config, variant, err))
         return false;
-    variant->group = launch.group;
-    variant->per_item = launch.per_item;
+    variant->group = launch.axes[0].group;
+    variant->per_item = launch.axes[0].per_item;
+    variant->n_axes = launch.n_axes;
+    memcpy(variant->more, launch.axes + 1, sizeof variant->more);
     add_prelude(c, config, variant, out);
     return true;
 }

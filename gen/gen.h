@@ -75,12 +75,20 @@ typedef struct gen_entry {
     uint32_t n_fields; // with those left out
 } gen_entry;
 
+// How a kernel is launched along an axis.
+typedef struct gen_axis {
+    uint32_t group;    // work-items a group
+    uint32_t per_item; // work-units a work-item
+} gen_axis;
+
 typedef struct gen_variant {
     char name[192];     // "pair_search_gpu.DIMS3.WG128.BUF512"
     char sha256[65];    // hash of the text, lower-case hex
     char *text;         // OpenCL C; owned, given back by gen_variant_free
     uint32_t group;     // work-group size that the card asks for
     uint32_t per_item;  // work-units (objects, pairs, cells) one work-item does
+    uint32_t n_axes;    // of its launches: 1, and up to 3 for a task's kernel
+    gen_axis more[2];   // along the second and the third
     gen_entry *entries; // owned like text
     uint32_t n_entries;
 } gen_variant;

@@ -45,10 +45,6 @@ static int search_open(lua_State *L)
     duet_error err = {0};
     search_def def = {.strategy = strategies[0]->name, .options = search_default_options()};
     member_read_table(L, 1, "a search", def_members, &def);
-    if (lua_istable(L, 1)) {
-        def.options.has_start = lua_getfield(L, 1, "start") != LUA_TNIL;
-        lua_pop(L, 1);
-    }
     if (def.strategy_lua)
         policy_check_trusted(L, "a search by strategy_lua");
     search_box *box = class_push(L, &search_class, sizeof *box);

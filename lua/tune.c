@@ -3,6 +3,7 @@
 #include "lua/tune.h"
 
 #include "lua/policy.h"
+#include "runtime/broadphase/variant.h"
 
 #include <string.h>
 
@@ -220,11 +221,10 @@ static bool watch(void *context, const duet_tune_progress *progress)
 
 static duet_mode find_mode(lua_State *L, const char *name)
 {
-    for (int mode = 0; duet_mode_name((duet_mode)mode); ++mode)
-        if (strcmp(duet_mode_name((duet_mode)mode), name) == 0)
-            return (duet_mode)mode;
-    luaL_error(L, "field 'modes': there is no mode '%s'; duet.modes() lists them", name);
-    return DUET_MODE_SHARED;
+    duet_mode mode = DUET_MODE_SHARED;
+    if (!mode_from_name(name, &mode))
+        luaL_error(L, "field 'modes': there is no mode '%s'; duet.modes() lists them", name);
+    return mode;
 }
 
 uint32_t tune_read_modes(lua_State *L, const name_list *names, duet_mode modes[32])

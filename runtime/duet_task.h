@@ -55,6 +55,7 @@ typedef struct duet_task_def {
     uint32_t n_args;
     uint64_t items;
     uint64_t work;           // work-units of an item; 0: 1
+    uint64_t high;           // rows of so many units each; 0: one
     const char *reference;   // the kernel that finds what is right; NULL: this one on device B
     double tolerance;        // part of the greater of 1 and what is expected; 0: exact
     const duet_setting *key; // [n_key] words that tell it from others of its kernel, as "bins";

@@ -236,10 +236,10 @@ bool duet_online_step(duet_online *o, duet_result *result, duet_error *err)
     if (!begin_frame(o, o ? o->def.world : NULL, "world", result, __func__, &plan, err) ||
         !world_is_idle(o->def.world, __func__, err))
         return false;
-    bool trial = online_is_trial(&o->online);
-    if (step(o, &plan, result, &frame, trial ? NULL : err))
+    bool of_rival = online_is_trial(&o->online);
+    if (step(o, &plan, result, &frame, of_rival ? NULL : err))
         return online_tell(&o->online, &frame, err);
-    if (!trial || !step(o, &o->online.plan, result, &frame, err))
+    if (!of_rival || !step(o, &o->online.plan, result, &frame, err))
         return false; // by the kept plan, too: the rival is not to blame
     online_refuse(&o->online);
     return online_tell(&o->online, &frame, err);

@@ -286,15 +286,17 @@ static bool find_level_costs(tuning_resources *h, profile_level_cost *list, uint
     if (!h->record.store)
         return measure_level_costs(h, list, n, &cores, err);
     profile_request request = profile_subject_request(&h->profile);
-    if (!record_aim(&h->record, &request, err) ||
-        (!h->def.fresh && !record_level_costs(&h->record, list, n, err)))
+    if (!record_aim(&h->record, &request, err))
+        return false;
+    profile_level_cost_key key = record_cost_key(&h->record);
+    if (!h->def.fresh && !profile_level_costs_get(h->record.store, &key, list, n, err))
         return false;
     if (*n > 0)
         return true;
     if (!measure_level_costs(h, list, n, &cores, err))
         return false;
     bool keeps = h->def.wait_seconds == 0 || 2 * cores.disturbed <= cores.launches;
-    return !keeps || record_keep_level_costs(&h->record, list, *n, err);
+    return !keeps || profile_level_costs_put(h->record.store, &key, list, *n, err);
 }
 
 static bool choose_level(tuning_resources *h, duet_error *err)
@@ -325,40 +327,6 @@ static bool settle_level(tuning_resources *h, duet_error *err)
 }
 
 // ---------------------------------------------------------------- measuring
-
-static bool tell_known(const profile_found *found, duet_tune_outcome *outcome, duet_error *err)
-{
-    *outcome = (duet_tune_outcome){
-        .accuracy = {found->missed_rate, found->false_rate},
-        .true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0,
-        .gain = found->gain,
-        .gain_low = found->gain_low,
-        .gain_high = found->gain_high,
-        .step_ms = found->median_ns * 1e-6,
-        .step_low_ms = found->low_ns * 1e-6,
-        .step_high_ms = found->high_ns * 1e-6,
-        .rounds = found->rounds,
-        .watched = found->watched,
-        .disturbed = found->disturbed,
-        .single_ms = found->single_ns * 1e-6,
-        .whole_ms = found->whole_ns * 1e-6,
-        .whole_gain = found->whole_gain,
-        .whole_gain_low = found->whole_gain_low,
-        .whole_gain_high = found->whole_gain_high,
-        .known = true,
-    };
-    memcpy(outcome->verdict, found->verdict, sizeof outcome->verdict);
-    memcpy(outcome->uid, found->uid, sizeof found->uid);
-    memcpy(outcome->unused, found->unused, sizeof outcome->unused);
-    cJSON *terms = cJSON_ParseWithOpts(found->terms, NULL, true);
-    terms_from_json(terms, &outcome->terms);
-    cJSON_Delete(terms);
-    profile_plan best = found->plan;
-    best.share = found->best_share;
-    memcpy(best.mode, found->best_mode, sizeof best.mode);
-    return profile_subject_read_plan(&found->plan, &outcome->plan, err) &&
-           profile_subject_read_plan(&best, &outcome->best, err);
-}
 
 // Finds "pocl:0" of "pocl:0[0-0]" and "pocl:0[1-1]"; false if A and B are not parts of one device,
 // and no motion is tuned: its state is on one device, and A may be the better one for it.
@@ -412,11 +380,6 @@ static bool open_whole(void *context, const char *kernels, measure_machine *mach
     return ok;
 }
 
-static core_others look_at_others(void *cores)
-{
-    return core_watch_others(cores);
-}
-
 static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcome *outcome,
                 duet_error *err)
 {
@@ -431,7 +394,6 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     tune_problem problem = {
         .def = &h->def,
         .machine = subject_machine(s, h->hash),
-        .others = {h->cores, look_at_others},
         .meter = h->meter,
         .one_device = s->one_device,
         .plan = s->plan,
@@ -446,10 +408,12 @@ static bool run(tuning_resources *h, const profile_found *near, duet_tune_outcom
     if (h->record.store)
         problem.recorder = record_recorder(&h->record);
     bool looks = h->record.store && h->def.search && !h->def.fresh;
-    for (int device = 0; looks && device < 2; ++device)
-        if (!record_device_variant(&h->record, device, h->def.search, problem.searched[device],
-                                   err))
+    for (int device = 0; looks && device < 2; ++device) {
+        const profile_search before = {h->record.pair_id, device, h->record.workload_id,
+                                       h->record.request.kernels, h->def.search};
+        if (!profile_searched_variant(h->record.store, &before, problem.searched[device], err))
             return false;
+    }
     bool ok = tune_run(&problem, &h->state, outcome, err);
     outcome->accuracy = truth.accuracy;
     outcome->true_pairs = truth.pairs;
@@ -490,7 +454,7 @@ bool duet_tune_run(const duet_tune_def *def, duet_tune_outcome *outcome, duet_er
     if (ok && h.record.store)
         ok = profile_lookup(h.record.store, &h.record.request, &found, NULL, err);
     if (ok && known.grade == PROFILE_EXACT)
-        ok = tell_known(&known, outcome, err);
+        ok = record_tell(&known, outcome, err);
     else if (ok && h.record.store)
         ok = run_recorded(&h, &found, outcome, err);
     else if (ok)

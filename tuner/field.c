@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/field.h"
 
-#include <math.h>
-
 void field_enter(field *f, duet_plan plan)
 {
     if (f->n < RACE_RIVALS)
@@ -24,12 +22,12 @@ void field_enter_new(field *f, const duet_plan *plan)
 }
 
 // Drops plans that are too slow to be worth another round.
-static void drop_hopeless(race *r, double hopeless)
+static void drop_hopeless(field *f)
 {
-    uint32_t leader = race_leader(r);
-    for (uint32_t i = 0; i < r->n && leader < r->n; ++i) {
-        if (r->rivals[i].rounds > 0 && race_compare(r, leader, i).ratio > hopeless)
-            race_drop(r, i);
+    uint32_t leader = race_leader(&f->race);
+    for (uint32_t i = 0; f->hopeless > 0 && i < f->n && leader < f->n; ++i) {
+        if (f->race.rivals[i].rounds > 0 && race_compare(&f->race, leader, i).ratio > f->hopeless)
+            race_drop(&f->race, i);
     }
 }
 
@@ -40,17 +38,17 @@ static double time_of(const tuning *t, const trial *got, bool of_a)
     return (double)(t->focus.stages ? got->focus_ns : step);
 }
 
-void field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless)
+void field_race(tuning *t, field *f, const race_options *options)
 {
     uint32_t rival;
     f->race = race_begin(f->n, options);
     while (tuning_goes_on(t) && race_next(&f->race, &rival)) {
         trial got = tuning_run_trial(t, &f->plans[rival]);
         if (got.usable)
-            race_add(&f->race, rival, time_of(t, &got, of_a));
+            race_add(&f->race, rival, time_of(t, &got, f->of_a));
         else
             race_drop(&f->race, rival);
-        drop_hopeless(&f->race, hopeless);
+        drop_hopeless(f);
         f->terms[rival] = got.terms;
     }
 }
@@ -59,7 +57,7 @@ race_gain field_duel(tuning *t, const duet_plan *usual, const duet_plan *plan,
                      const race_options *options)
 {
     field f = {.plans = {*usual, *plan}, .n = 2};
-    field_race(t, &f, options, false, INFINITY);
+    field_race(t, &f, options);
     return race_rounds(&f.race, 0, 1) > 0 ? race_compare(&f.race, 1, 0)
                                           : race_no_gain(RACE_AMBIGUOUS);
 }

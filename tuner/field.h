@@ -11,6 +11,8 @@ typedef struct field {
     duet_plan plans[RACE_RIVALS];
     duet_tune_terms terms[RACE_RIVALS];
     uint32_t n;
+    bool of_a;       // A's own time counts, for its variant is chosen
+    double hopeless; // a plan that takes so many times the leader's time runs no more; 0: each does
     race race;
 } field;
 
@@ -22,9 +24,8 @@ void field_enter_new(field *f, const duet_plan *plan); // unless it is there
 uint32_t field_find(const field *f, const duet_plan *plan);
 
 // Races until it is decided or the stage's part of the budget is spent. A trial's time is the time
-// of the stages in focus or else the total, or A's own if A's variant is chosen. A plan that takes
-// `hopeless` times the leader's time runs no more. options NULL: the default ones.
-void field_race(tuning *t, field *f, const race_options *options, bool of_a, double hopeless);
+// of the stages in focus or else the total or A's own. options NULL: the default ones.
+void field_race(tuning *t, field *f, const race_options *options);
 
 // Races a plan against the usual one, and tells its gain: AMBIGUOUS if one of them did not run.
 race_gain field_duel(tuning *t, const duet_plan *usual, const duet_plan *plan,

@@ -164,7 +164,6 @@ static void expect_trials(tuning *t, int device, const kernel_space *spaces, uin
              ++p)
             left += (uint32_t)(TRIALS_A_VALUE * (spaces[i].params[p].n_values - 1));
     uint32_t next = device == 1 && !is_like_b(t) ? so_far + left : 0;
-    t->search_known = true;
     t->search_trials = t->state->played - t->search_begun + left + next;
 }
 
@@ -227,7 +226,6 @@ void kernel_tuning_run(tuning *t)
     else if (!take_searched(t, 0) && tuning_goes_on(t))
         search_device(t, 0, variants_share_of_a(t));
     t->repeats = repeats;
-    t->search_known = true;
     t->search_trials = t->state->played - t->search_begun;
     if (!t->found && tuning_goes_on(t))
         error_set(&t->why, DUET_STATUS_NOT_FOUND,

@@ -16,6 +16,18 @@ int64_t measure_to_ns(double ms)
     return (int64_t)(ms * 1e6 + 0.5);
 }
 
+void measure_watch(core_watch *cores, const duet_device_pair *pair)
+{
+    uint32_t units = 0, most = 1;
+    for (int device = duet_device_pair_is_one(pair) ? 1 : 0; device < 2; ++device) {
+        const duet_device_info *info = duet_device_pair_get_info(pair, device);
+        uint32_t own = info->kind == DUET_KIND_CPU ? info->units : 0;
+        units += own;
+        most = own > most ? own : most;
+    }
+    core_watch_start(cores, most > 1 ? units : 1);
+}
+
 void measure_take_stages(measure_launch *launch, const duet_stage *stages, uint32_t n)
 {
     for (uint32_t i = 0; i < n; ++i)
@@ -162,8 +174,8 @@ static bool add_launch(measurement *m, const measure_machine *machine, const due
     bool disturbed = !warms_up && launches[at].use.disturbed;
     if (disturbed && way.quiet)
         sample->flags |= PROFILE_SAMPLE_DISTURBED;
-    m->watched += !warms_up && launches[at].use.cpu_ns > 0;
-    m->disturbed += disturbed;
+    m->trial.watched += !warms_up && launches[at].use.cpu_ns > 0;
+    m->trial.disturbed += disturbed;
     m->repeated += disturbed && way.quiet;
     m->counted += counts(sample);
     ++m->n_samples;
@@ -204,7 +216,7 @@ static bool measure_energy(measurement *m, const measure_machine *machine, const
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)
 {
     assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS && (way.staged || !way.warm));
-    measurement m = {0};
+    measurement m = {.trial = {.plan = *plan, .sample.share = plan->share}};
     measure_launch launches[MEASURE_LAUNCHES];
     duet_error *err = &m.failure;
     uint64_t begun = clock_steady_ns();
@@ -218,7 +230,15 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
         summarize(&m, launches);
     if (way.meter && err->status == DUET_STATUS_OK && m.counted == way.repeats)
         measure_energy(&m, machine, plan, way.meter);
-    m.spent_ns = clock_steady_ns() - begun;
     m.outcome = outcome_of(err);
+    m.trial.launches = m.n_samples;
+    m.trial.spent_ns = clock_steady_ns() - begun;
+    m.trial.usable = err->status == DUET_STATUS_OK;
+    if (m.trial.usable) {
+        m.trial.sample.total_ns = (uint64_t)m.launch.total_ns;
+        m.trial.sample.a_ns = (uint64_t)m.launch.a_ns;
+        m.trial.sample.b_ns = (uint64_t)m.launch.b_ns;
+        m.trial.terms = m.launch.terms;
+    }
     return m;
 }

@@ -9,8 +9,7 @@
 #include "base/energy_meter.h"
 #include "profiles/session.h"
 #include "runtime/broadphase/kernel_space.h"
-#include "tuner/duet_tune.h"
-#include "tuner/search.h"
+#include "tuner/trial_log.h"
 
 enum {
     MEASURE_REPEATS = 32,
@@ -39,6 +38,8 @@ typedef struct measure_machine {
     bool (*launch)(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                    duet_error *err);
     uint64_t hash; // the right result's hash
+    // How many cores other programs have; NULL: none.
+    core_others (*look_at_others)(void *context);
     // The plan so many times, of which only the last is checked; NULL: by `launch`.
     bool (*train)(void *context, const duet_plan *plan, uint32_t n, duet_error *err);
     // Adds the config spaces of the kernels that a device runs by a plan. Called only if kernels
@@ -48,15 +49,14 @@ typedef struct measure_machine {
 } measure_machine;
 
 typedef struct measurement {
+    trial trial;                              // but its time in focus; usable: the outcome is "ok"
     const char *outcome;                      // the same texts as a profile_trial's
     duet_error failure;                       // why the outcome is not "ok"
     profile_sample samples[MEASURE_LAUNCHES]; // the first is the warm-up, if there is one
     uint32_t n_samples;
-    uint32_t counted;   // samples that the statistics are of; fewer than asked for: the others
-                        // were disturbed, however often they were repeated
-    uint32_t watched;   // launches whose threads were watched
-    uint32_t disturbed; // watched launches that waited for a core
-    uint32_t repeated;  // disturbed launches that therefore do not count
+    uint32_t counted;  // samples that the statistics are of; fewer than asked for: the others were
+                       // disturbed, however often they were repeated
+    uint32_t repeated; // disturbed launches that therefore do not count
     uint32_t outliers;
     double median_ns;
     double mad_ns;
@@ -64,7 +64,6 @@ typedef struct measurement {
     double high_ns;
     uint32_t typical;      // the sample with the median time, the lower one of two
     measure_launch launch; // that one, with the least that each stage took in any
-    uint64_t spent_ns;     // by the clock, builds included
 } measurement;
 
 // A measurement that is not staged stages only the warm-up launch, so that the launches that count
@@ -84,6 +83,11 @@ typedef struct measure_way {
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
 
 int64_t measure_to_ns(double ms);
+
+// Begins to watch a launch by the pair, until core_watch_stop. Its work is spread over the units of
+// the pair's CPUs, if one of these has several, which share the work as it comes; else each CPU is
+// one thread, or there is none.
+void measure_watch(core_watch *cores, const duet_device_pair *pair);
 
 // Takes over a launch's stages, as many as there is space for, and sums transfers.
 void measure_take_stages(measure_launch *launch, const duet_stage *stages, uint32_t n);

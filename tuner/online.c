@@ -232,7 +232,6 @@ static bool begin_moving(online *o, const search_sample *frame, duet_error *err)
 {
     search_options options = search_default_options();
     options.launches = ONLINE_MOVES;
-    options.has_start = true;
     options.start = o->plan.share;
     o->state = ONLINE_MOVING;
     ++o->tunings;

@@ -64,7 +64,8 @@ static uint32_t share_of(double part)
     return (uint32_t)fmin(fmax(share, PLAN_LEAST_SHARE), SEARCH_ONE - PLAN_LEAST_SHARE);
 }
 
-uint32_t plan_times_best_share(const plan_times *t, const listed_plan *plan)
+// The share at which both devices are expected to end together, between 1/64 and 63/64.
+static uint32_t best_share(const plan_times *t, const listed_plan *plan)
 {
     const part_line *a = &t->lines[plan->mode][0][plan->variant[0]];
     const part_line *b = &t->lines[plan->mode][1][plan->variant[1]];
@@ -132,7 +133,7 @@ bool plan_times_rival(const plan_times *t, uint32_t i, listed_plan *rival)
     *rival = (listed_plan){.mode = DUET_MODE_OWN, .variant = {i / v % v, i % v}};
     if (i < n_shared) {
         rival->mode = i / (v * v);
-        rival->share = plan_times_best_share(t, rival);
+        rival->share = best_share(t, rival);
         return true;
     }
     rival->variant[0] = rival->variant[1] = i % v;
@@ -217,7 +218,7 @@ static void learn_switch(plan_times *t, uint32_t modes, const plan_runner *runne
         listed_plan plan = {0, i / t->n_variants, {i % t->n_variants, i % t->n_variants}};
         search_sample first, second;
         if (modes)
-            plan.share = plan_times_best_share(t, &plan);
+            plan.share = best_share(t, &plan);
         if (isfinite(plan_times_expect(t, &plan)) && runner->run(runner->context, &plan, &first) &&
             runner->run(runner->context, &plan, &second))
             extra[n++] = (double)first.total_ns - (double)second.total_ns;

@@ -59,9 +59,6 @@ double plan_times_switch(const plan_times *t, const listed_plan *from, const lis
 // The time of a step by the plan.
 double plan_times_expect(const plan_times *t, const listed_plan *plan);
 
-// The share at which both devices are expected to end together, between 1/64 and 63/64.
-uint32_t plan_times_best_share(const plan_times *t, const listed_plan *plan);
-
 // The largest part, of 1/64 to 63/64 out of SEARCH_ONE, for which the device is expected to take no
 // longer, beside a partner.
 uint32_t plan_times_largest_part(const plan_times *t, const listed_plan *plan, int device,

@@ -42,22 +42,9 @@ void record_close(record *r)
     r->store = NULL;
 }
 
-static profile_level_cost_key cost_key(const record *r)
+profile_level_cost_key record_cost_key(const record *r)
 {
     return (profile_level_cost_key){r->pair_id, r->workload_id, r->request.kernels};
-}
-
-bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err)
-{
-    profile_level_cost_key key = cost_key(r);
-    return profile_level_costs_get(r->store, &key, costs, n, err);
-}
-
-bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
-                             duet_error *err)
-{
-    profile_level_cost_key key = cost_key(r);
-    return profile_level_costs_put(r->store, &key, costs, n, err);
 }
 
 // ---------------------------------------------------------------- session
@@ -79,14 +66,6 @@ static void write_options(const duet_tune_def *def, text *json)
     if (def->steps)
         text_add(json, ",\"steps\":%" PRIu32, def->steps);
     text_add(json, "}");
-}
-
-bool record_device_variant(const record *r, int device, const char *what,
-                           char variant[PROFILE_VARIANT], duet_error *err)
-{
-    return profile_searched_variant(
-        r->store, &(profile_search){r->pair_id, device, r->workload_id, r->request.kernels, what},
-        variant, err);
 }
 
 static double timer_resolution(void)
@@ -182,29 +161,28 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
 {
     record *r = context;
     text json = {0}, terms = {0};
-    bool ran = m->failure.status == DUET_STATUS_OK;
-    const profile_sample *typical = &m->samples[m->typical];
+    const bool ran = m->trial.usable;
     int64_t number;
     trial_log_to_json(state, &json);
     terms_to_json(&m->launch.terms, &terms);
-    profile_trial trial = {
+    profile_trial row = {
         .plan = profile_subject_write_plan(plan, r->request.workload->level),
         .outcome = m->outcome,
         .reason = ran ? NULL : m->failure.text,
         .outliers = m->outliers,
-        .disturbed = m->disturbed - m->repeated,
+        .disturbed = m->trial.disturbed - m->repeated,
         .median_ns = m->median_ns,
         .mad_ns = m->mad_ns,
         .low_ns = m->low_ns,
         .high_ns = m->high_ns,
-        .a_ns = ran ? (double)typical->a_ns : 0,
-        .b_ns = ran ? (double)typical->b_ns : 0,
+        .a_ns = (double)m->trial.sample.a_ns,
+        .b_ns = (double)m->trial.sample.b_ns,
         .terms = ran ? text_chars(&terms) : NULL,
         .samples = m->samples,
         .n_samples = m->n_samples,
     };
     bool ok = text_ok(&json, err) && text_ok(&terms, err) &&
-              profile_trial_add(r->store, r->session, &trial, text_chars(&json), &number, err);
+              profile_trial_add(r->store, r->session, &row, text_chars(&json), &number, err);
     text_free(&json);
     text_free(&terms);
     return ok;
@@ -242,6 +220,26 @@ static const char *unused_because(const duet_tune_def *def, char because[64])
     return because;
 }
 
+// The figures that an outcome and a profile share: FIGURE(of an outcome, of a profile, ns or other
+// units of the profile in one of the outcome, and the reverse).
+#define FIGURES(FIGURE)                            \
+    FIGURE(step_ms, median_ns, 1e6, 1e-6)          \
+    FIGURE(step_low_ms, low_ns, 1e6, 1e-6)         \
+    FIGURE(step_high_ms, high_ns, 1e6, 1e-6)       \
+    FIGURE(single_ms, single_ns, 1e6, 1e-6)        \
+    FIGURE(gain, gain, 1, 1)                       \
+    FIGURE(gain_low, gain_low, 1, 1)               \
+    FIGURE(gain_high, gain_high, 1, 1)             \
+    FIGURE(rounds, rounds, 1, 1)                   \
+    FIGURE(watched, watched, 1, 1)                 \
+    FIGURE(disturbed, disturbed, 1, 1)             \
+    FIGURE(whole_ms, whole_ns, 1e6, 1e-6)          \
+    FIGURE(whole_gain, whole_gain, 1, 1)           \
+    FIGURE(whole_gain_low, whole_gain_low, 1, 1)   \
+    FIGURE(whole_gain_high, whole_gain_high, 1, 1) \
+    FIGURE(accuracy.missed, missed_rate, 1, 1)     \
+    FIGURE(accuracy.false_rate, false_rate, 1, 1)
+
 static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *o, duet_error *err)
 {
     char because[64];
@@ -249,24 +247,10 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     profile_placed placed;
     terms_to_json(&o->terms, &terms);
     profile_row row = row_of(r, &o->plan, "measured");
-    row.median_ns = o->step_ms * 1e6;
-    row.low_ns = o->step_low_ms * 1e6;
-    row.high_ns = o->step_high_ms * 1e6;
-    row.gain = o->gain;
-    row.gain_low = o->gain_low;
-    row.gain_high = o->gain_high;
+#define TO_ROW(of_outcome, of_profile, by, back) row.of_profile = o->of_outcome * by;
+    FIGURES(TO_ROW)
     row.verdict = o->verdict;
-    row.missed_rate = o->accuracy.missed;
-    row.false_rate = o->accuracy.false_rate;
     row.true_pairs = def->task ? -1 : (int64_t)o->true_pairs; // -1: there are none to count
-    row.rounds = o->rounds;
-    row.watched = o->watched;
-    row.disturbed = o->disturbed;
-    row.single_ns = o->single_ms * 1e6;
-    row.whole_ns = o->whole_ms * 1e6;
-    row.whole_gain = o->whole_gain;
-    row.whole_gain_low = o->whole_gain_low;
-    row.whole_gain_high = o->whole_gain_high;
     row.best_share = o->best.share;
     row.best_mode = duet_mode_name(o->best.mode);
     row.terms = text_chars(&terms);
@@ -280,6 +264,25 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     }
     text_free(&terms);
     return ok;
+}
+
+bool record_tell(const profile_found *found, duet_tune_outcome *o, duet_error *err)
+{
+    *o = (duet_tune_outcome){.known = true,
+                             .true_pairs = found->true_pairs > 0 ? (uint64_t)found->true_pairs : 0};
+#define TO_OUTCOME(of_outcome, of_profile, by, back) o->of_outcome = found->of_profile * back;
+    FIGURES(TO_OUTCOME)
+    memcpy(o->verdict, found->verdict, sizeof o->verdict);
+    memcpy(o->uid, found->uid, sizeof found->uid);
+    memcpy(o->unused, found->unused, sizeof o->unused);
+    cJSON *terms = cJSON_ParseWithOpts(found->terms, NULL, true);
+    terms_from_json(terms, &o->terms);
+    cJSON_Delete(terms);
+    profile_plan best = found->plan;
+    best.share = found->best_share;
+    memcpy(best.mode, found->best_mode, sizeof best.mode);
+    return profile_subject_read_plan(&found->plan, &o->plan, err) &&
+           profile_subject_read_plan(&best, &o->best, err);
 }
 
 bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_outcome *outcome,

@@ -24,14 +24,15 @@ bool record_open(record *r, const char *path, duet_error *err);
 bool record_aim(record *r, const profile_request *request, duet_error *err);
 void record_close(record *r);
 
-// Reads the table of level costs of that workload; n is 0 if the store has none.
-bool record_level_costs(record *r, profile_level_cost *costs, uint32_t *n, duet_error *err);
-bool record_keep_level_costs(record *r, const profile_level_cost *costs, uint32_t n,
-                             duet_error *err);
+// The key of the table of level costs of that workload.
+profile_level_cost_key record_cost_key(const record *r);
 
 // Finds what a session that asked the same has found before, live or not; its grade is default if
 // none has.
 bool record_known(record *r, const duet_tune_def *def, profile_found *found, duet_error *err);
+
+// Tells what it found as the outcome that the session had.
+bool record_tell(const profile_found *found, duet_tune_outcome *outcome, duet_error *err);
 
 // Takes up an interrupted session of the same tuning, whose log is then filled, or begins one.
 // STORE_FAILED if a living process tunes the workload.
@@ -39,11 +40,6 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
                   duet_error *err);
 
 tune_recorder record_recorder(record *r);
-
-// The variant that a search of these kernels led to for a device, 0 being A, on this workload
-// beside any other device; empty if there was none.
-bool record_device_variant(const record *r, int device, const char *what,
-                           char variant[PROFILE_VARIANT], duet_error *err);
 
 // how: "complete", "stopped" or "failed". A complete one leaves its profile, and the
 // outcome says where.

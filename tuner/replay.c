@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/replay.h"
 
+#include "runtime/broadphase/variant.h"
 #include "tuner/stats.h"
 #include "tuner/strategy.h"
 #include "tuner/tune.h"
@@ -25,15 +26,6 @@ static bool same_point(const profile_launch *a, const profile_launch *b)
            strcmp(a->variant_a, b->variant_a) == 0 && strcmp(a->variant_b, b->variant_b) == 0;
 }
 
-// DUET_MODE_DEFAULT for a name that is none.
-static duet_mode mode_named(const char *name)
-{
-    int mode = 0;
-    while (mode < REPLAY_MODES && strcmp(duet_mode_name((duet_mode)mode), name) != 0)
-        ++mode;
-    return (duet_mode)mode;
-}
-
 // Launches are ordered by total_ns.
 static double median_ns(const replay_point *p)
 {
@@ -55,11 +47,12 @@ static void add_point(replay *r, const profile_launch *launches, uint32_t n)
     while (counted < n && !launches[counted].warm_up)
         ++counted;
     replay_point p = {
-        .plan = {.share = launches->share, .mode = mode_named(launches->mode)},
+        .plan.share = launches->share,
         .launches = {launches, launches + counted},
         .n = {counted, n - counted},
     };
-    if (counted == 0 || p.plan.mode == DUET_MODE_DEFAULT)
+    if (counted == 0 || !mode_from_name(launches->mode, &p.plan.mode) ||
+        p.plan.mode == DUET_MODE_DEFAULT)
         return;
     plan_set_variant(&p.plan, 0, launches->variant_a);
     plan_set_variant(&p.plan, 1, launches->variant_b);
@@ -231,11 +224,27 @@ static bool launch_recorded(void *context, const duet_plan *plan, bool staged,
 
 // ---------------------------------------------------------------- a tuning
 
-static bool count_search(void *context, const duet_tune_progress *progress)
+typedef struct watched {
+    const replay *r;
+    replay_outcome *outcome;
+} watched;
+
+// Adds a plan that is better than those before.
+static void note_gain(const watched *w, const duet_plan *plan)
 {
-    uint32_t *launches = context;
+    replay_outcome *o = w->outcome;
+    const replay_gain at = {(double)w->r->spent_ns * 1e-9, replay_median_ns(w->r, plan)};
+    bool better = o->n_gains == 0 || at.median_ns < o->gains[o->n_gains - 1].median_ns;
+    if (better && !isnan(at.median_ns) && o->n_gains < REPLAY_GAINS)
+        o->gains[o->n_gains++] = at;
+}
+
+static bool watch(void *context, const duet_tune_progress *progress)
+{
+    const watched *w = context;
     if (strcmp(progress->stage, "share") == 0 || strcmp(progress->stage, "kernels and share") == 0)
-        *launches = progress->launches;
+        w->outcome->search_launches = progress->launches;
+    note_gain(w, progress->plan);
     return true;
 }
 
@@ -250,9 +259,9 @@ static bool give_spaces(void *context, const duet_plan *plan, int device, kernel
     return ok;
 }
 
-static bool check_fits(const replay *r, const replay_def *def, duet_error *err)
+static bool check_fits(const replay *r, const duet_tune_def *def, script *own, duet_error *err)
 {
-    const strategy *s = strategy_of(def->strategy, def->script);
+    const strategy *s = strategy_of(def->strategy, own);
     if (!s)
         return strategy_check(def->strategy, err);
     bool joint = s->choice != STRATEGY_SHARE;
@@ -262,25 +271,23 @@ static bool check_fits(const replay *r, const replay_def *def, duet_error *err)
                      joint ? "a share alone" : "kernels and share");
 }
 
-static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
+static bool tune(replay *r, const duet_tune_def *def, script *own, replay_outcome *outcome,
                  duet_tune_outcome *found, duet_error *err)
 {
     // The surface is of one, whatever its name is, or of the configs of one.
     const char *variants[] = {r->surface->joint ? r->spaces[1].base : "auto"};
-    duet_tune_def tuned = duet_default_tune_def();
-    tuned.strategy = def->strategy;
-    tuned.seed = def->seed;
+    duet_tune_def tuned = *def;
     tuned.variants = variants;
     tuned.n_variants = 1;
     tuned.modes = r->modes;
     tuned.n_modes = r->n_modes;
-    tuned.repeats = def->repeats ? def->repeats : tuned.repeats;
-    tuned.watch = count_search;
-    tuned.watch_context = search_launches;
+    watched w = {r, outcome};
+    tuned.watch = watch;
+    tuned.watch_context = &w;
     tune_problem problem = {
         .def = &tuned,
         .machine = {.context = r, .launch = launch_recorded},
-        .script = def->script,
+        .script = own,
         .least_share = tune_least_share(r->surface->n),
     };
     if (r->surface->joint) {
@@ -297,13 +304,14 @@ static bool tune(replay *r, const replay_def *def, uint32_t *search_launches,
     return ok || error_copy(err, &why);
 }
 
-bool replay_run(replay *r, const replay_def *def, replay_outcome *outcome, duet_error *err)
+bool replay_run(replay *r, const duet_tune_def *def, script *own, replay_outcome *outcome,
+                duet_error *err)
 {
     duet_tune_outcome found;
     *outcome = (replay_outcome){0};
     r->random = rng_seed(def->seed);
     r->spent_ns = 0;
-    if (!check_fits(r, def, err) || !tune(r, def, &outcome->search_launches, &found, err))
+    if (!check_fits(r, def, own, err) || !tune(r, def, own, outcome, &found, err))
         return false;
     outcome->plan = found.plan;
     if (!r->surface->joint) {

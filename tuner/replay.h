@@ -46,12 +46,14 @@ void replay_close(replay *r);
 // The median of a plan's launches, which may be interpolated.
 double replay_median_ns(const replay *r, const duet_plan *plan);
 
-typedef struct replay_def {
-    const char *strategy;
-    script *script;   // the strategy "lua" runs it; else NULL
-    uint32_t repeats; // launches of a trial, after one to warm up; 0: the default
-    uint64_t seed;
-} replay_def;
+// The time of all launches until a trial showed that its plan is the best so far, and that plan's
+// median time.
+typedef struct replay_gain {
+    double seconds;
+    double median_ns;
+} replay_gain;
+
+enum { REPLAY_GAINS = 64 };
 
 typedef struct replay_outcome {
     duet_plan plan; // to use
@@ -62,10 +64,14 @@ typedef struct replay_outcome {
     uint32_t search_launches; // until the last search of a share ended
     uint32_t launches;        // with the races after it
     double seconds;           // the time of all launches; kernels are not compiled
+    replay_gain gains[REPLAY_GAINS];
+    uint32_t n_gains;
 } replay_outcome;
 
-// Tunes mode and share, or kernels and share on a joint surface, as duet_tune_run does. A strategy
-// for the other kind of surface is BAD_ARGUMENT. The same seed gives the same outcome.
-bool replay_run(replay *r, const replay_def *def, replay_outcome *outcome, duet_error *err);
+// Tunes mode and share, or kernels and share on a joint surface, as duet_tune_run does with a def
+// of that strategy, seed and repeats; own is the script of the strategy "lua", else NULL. A
+// strategy for the other kind of surface is BAD_ARGUMENT. The same seed gives the same outcome.
+bool replay_run(replay *r, const duet_tune_def *def, script *own, replay_outcome *outcome,
+                duet_error *err);
 
 #endif

@@ -77,8 +77,8 @@ const search_sample *search_find(const search *s, const search_sample *plan)
 
 uint32_t search_first_share(const search *s)
 {
-    bool near = s->options.has_start && s->options.start > 0 && s->options.start < SEARCH_ONE;
-    return near ? s->options.start : SEARCH_ONE / 16;
+    uint32_t start = s->options.start;
+    return start > 0 && start < SEARCH_ONE ? start : SEARCH_ONE / 16;
 }
 
 uint32_t search_fastest(const search *s)

@@ -39,8 +39,7 @@ typedef struct search_options {
     uint32_t quantum;  // shares nearer than this are the same; a work-group's part
     uint32_t points;   // grid: intervals between 0 and 1
     uint32_t rounds;   // grid: how often it goes over all of them
-    bool has_start;    // start is a neighbouring workload's share: begin near it
-    uint32_t start;
+    uint32_t start;    // a neighbouring workload's share: begin near it; 0: none is known
     double probe_cost; // balance: no launch that is expected to take longer than
                        // this many times share 0
 } search_options;

@@ -3,7 +3,6 @@
 #ifndef TUNER_STAGES_H
 #define TUNER_STAGES_H
 
-#include "tuner/search.h"
 #include "tuner/tuning.h"
 
 // Chooses each device's variant, in races of its own: leaves in the tuning's plan the fastest
@@ -23,19 +22,12 @@ void kernel_tuning_run(tuning *t);
 // Whether a tuning with that option `search` varies the kernel.
 bool kernel_tuning_is_meant(const char *what, const kernel_space *space);
 
-// Searches the best share of each mode, from the share that was best in the mode before.
-void mode_search_run(tuning *t);
-
-// Measures the plans that a strategy wants, until it or the budget ends. A strategy for the share
-// ends at a plan that does not run, and false says so; others are told.
-bool mode_search_ask(tuning *t, search *s);
-
-// In the place of a search of kernels and then of mode and share: whether the tuning's strategy
-// chooses kernels and share together. It measures plans until the strategy or the budget ends, and
-// races the best few. The winner's kernels enter the tuning's plan; the outcome says how many plans
-// there are and were tried. The mode is the first of those that may be chosen.
-bool joint_search_is_asked(const tune_problem *problem);
-void joint_search_run(tuning *t);
+// Searches the best share of each mode, from the share that was best in the mode before; before
+// that the kernels. Or, if the tuning's strategy chooses kernels and share together, measures plans
+// until the strategy or the budget ends, and races the best few: the winner's kernels enter the
+// tuning's plan, and the outcome says how many plans there are and were tried. The mode is then the
+// first of those that may be chosen.
+void plan_search_run(tuning *t);
 
 // Races the best plan found against the better single device. A plan that does not prove
 // faster is not used, so that a tuned world is never slower than one device.

@@ -164,70 +164,52 @@ static search_sample read_point(lua_State *L, const joint_space *s)
         p.configs[i] = (uint16_t)(config - 1);
         lua_pop(L, 1);
     }
+    joint_space_normalize(s, &p);
     return p;
 }
 
 // ---------------------------------------------------------------- calls
 
-// function, history, next ->
-static int call_for_share(lua_State *L)
+// function, whether it chooses kernels too, search, next ->
+static int call_function(lua_State *L)
 {
-    search_next *next = lua_touserdata(L, 3);
-    lua_pushvalue(L, 1);
-    push_history(L, lua_touserdata(L, 2), false);
-    lua_call(L, 1, 1);
+    const search *h = lua_touserdata(L, 3);
+    const bool joint = lua_toboolean(L, IS_JOINT) && h->space;
+    search_next *next = lua_touserdata(L, 4);
+    lua_pushvalue(L, FUNCTION);
+    if (joint)
+        push_space(L, h);
+    push_history(L, h, joint);
+    lua_call(L, joint ? 2 : 1, 1);
     next->done = lua_isnil(L, -1);
-    if (!next->done)
+    if (next->done)
+        return 0;
+    if (joint)
+        next->at = read_point(L, h->space);
+    else
         next->at.share = read_share(L, "the strategy gave %s; expected a share of 0 to 1, or nil");
     return 0;
 }
 
-// function, history, next ->
-static int call_for_plan(lua_State *L)
-{
-    const search *h = lua_touserdata(L, 2);
-    search_next *next = lua_touserdata(L, 3);
-    lua_pushvalue(L, 1);
-    push_space(L, h);
-    push_history(L, h, true);
-    lua_call(L, 2, 1);
-    next->done = lua_isnil(L, -1);
-    if (!next->done)
-        next->at = read_point(L, h->space);
-    joint_space_normalize(h->space, &next->at);
-    return 0;
-}
-
-static bool ask_script(int (*call)(lua_State *L), const search *h, search_next *next,
-                       duet_error *err)
+static bool ask(const search *h, search_next *next, duet_error *err)
 {
     if (!h->script)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "strategy 'lua': there is no script; expected a function in tune.lua");
     lua_State *L = script_lua(h->script);
-    lua_pushcfunction(L, call);
+    lua_pushcfunction(L, call_function);
     lua_pushvalue(L, FUNCTION);
+    lua_pushvalue(L, IS_JOINT);
     lua_pushlightuserdata(L, (void *)h);
     lua_pushlightuserdata(L, next);
-    return script_call(h->script, 3, 0, err);
-}
-
-static bool ask_for_share(const search *h, search_next *next, duet_error *err)
-{
-    return ask_script(call_for_share, h, next, err);
-}
-
-static bool ask_for_plan(const search *h, search_next *next, duet_error *err)
-{
-    *next = (search_next){.done = true};
-    return ask_script(call_for_plan, h, next, err);
+    return script_call(h->script, 4, 0, err);
 }
 
 const strategy strategy_lua = {
     .name = "lua",
     .about = "a function of a script: history in, next share or nil out",
     .launches = 64,
-    .ask = ask_for_share,
+    .ask = ask,
     .pick = search_fastest,
 };
 
@@ -235,5 +217,5 @@ const strategy strategy_lua_joint = {
     .name = "lua",
     .about = "a function of a script: space and history in, next plan or nil out",
     .choice = STRATEGY_JOINT,
-    .ask = ask_for_plan,
+    .ask = ask,
 };

@@ -11,26 +11,13 @@ static const subject_kind *const kinds[] = {&subject_task, &subject_motion, &sub
 static const duet_mode modes[] = {DUET_MODE_OWN};
 static const char *const variants[] = {"auto"};
 
-// In the order of their numbers.
-static const char *const names[] = {"task",
-                                    "steps",
-                                    "query",
-                                    "scene",
-                                    "items of a query",
-                                    "search",
-                                    "variants",
-                                    "modes",
-                                    "level or accuracy",
-                                    "order"};
+#define WORDS(name, words, asked) words,
+static const char *const names[] = {SUBJECT_ASKS(WORDS)};
 
+#define IF_ASKED(name, words, asked) ((asked) ? SUBJECT_##name : 0) |
 static unsigned asked(const duet_tune_def *def)
 {
-    return (def->task ? SUBJECT_TASK : 0) | (def->steps ? SUBJECT_STEPS : 0) |
-           (def->query ? SUBJECT_QUERY : 0) | (def->scene ? SUBJECT_SCENE : 0) |
-           (def->items ? SUBJECT_ITEMS : 0) | (def->search ? SUBJECT_SEARCH : 0) |
-           (def->n_variants ? SUBJECT_VARIANTS : 0) | (def->n_modes ? SUBJECT_MODES : 0) |
-           (def->n_levels || def->has_accuracy ? SUBJECT_LEVELS : 0) |
-           (def->ordered ? SUBJECT_ORDER : 0);
+    return SUBJECT_ASKS(IF_ASKED) 0;
 }
 
 static const subject_kind *kind_of(const duet_tune_def *def)
@@ -97,10 +84,16 @@ duet_level subject_level(const subject *s)
     return s->kind->level ? s->kind->level(s) : DUET_LEVEL_CERTIFIED;
 }
 
+static core_others look_at_others(void *context)
+{
+    return core_watch_others(((subject *)context)->cores);
+}
+
 measure_machine subject_machine(subject *s, uint64_t hash)
 {
     measure_machine machine = s->kind->machine;
     machine.context = s;
+    machine.look_at_others = look_at_others;
     machine.hash = hash;
     return machine;
 }

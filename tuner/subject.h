@@ -29,19 +29,25 @@ typedef struct subject_truth {
     duet_accuracy accuracy;
 } subject_truth;
 
-// Names each thing that a def may ask for.
-enum {
-    SUBJECT_TASK = 1,
-    SUBJECT_STEPS = 2,
-    SUBJECT_QUERY = 4,
-    SUBJECT_SCENE = 8,
-    SUBJECT_ITEMS = 16,
-    SUBJECT_SEARCH = 32,
-    SUBJECT_VARIANTS = 64,
-    SUBJECT_MODES = 128,
-    SUBJECT_LEVELS = 256,
-    SUBJECT_ORDER = 512
-};
+// Each thing that a def may ask for: ASK(name, in words, whether the def asks for it).
+#define SUBJECT_ASKS(ASK)                                                \
+    ASK(TASK, "task", def->task)                                         \
+    ASK(STEPS, "steps", def->steps)                                      \
+    ASK(QUERY, "query", def->query)                                      \
+    ASK(SCENE, "scene", def->scene)                                      \
+    ASK(ITEMS, "items of a query", def->items)                           \
+    ASK(SEARCH, "search", def->search)                                   \
+    ASK(VARIANTS, "variants", def->n_variants)                           \
+    ASK(MODES, "modes", def->n_modes)                                    \
+    ASK(LEVELS, "level or accuracy", def->n_levels || def->has_accuracy) \
+    ASK(ORDER, "order", def->ordered)
+
+#define PLACE(name, words, asked) SUBJECT_PLACE_##name,
+enum { SUBJECT_ASKS(PLACE) };
+#undef PLACE
+#define BIT(name, words, asked) SUBJECT_##name = 1 << SUBJECT_PLACE_##name,
+enum { SUBJECT_ASKS(BIT) };
+#undef BIT
 
 typedef struct subject_kind {
     const char *has;   // "a task has", for what it cannot be asked for

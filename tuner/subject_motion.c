@@ -6,8 +6,6 @@
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
-#include "tuner/core_spread.h"
-#include "tuner/trial_log.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -118,7 +116,7 @@ static bool run(run_state *q, const duet_plan *plan, bool staged, sums *s, duet_
 {
     duet_motion_result step;
     bool ok = begin(q, plan, staged, err) && duet_motion_advance(q->motion, &step, err);
-    core_watch_start(q->cores, core_spread(q->def.pair));
+    measure_watch(q->cores, q->def.pair);
     for (uint32_t i = 1; ok && i < q->steps; ++i) {
         ok = duet_motion_advance(q->motion, &step, err);
         if (ok)

@@ -6,7 +6,6 @@
 #include "runtime/queries/any_query.h"
 #include "runtime/queries/item_draw.h"
 #include "runtime/scene/scene.h"
-#include "tuner/core_spread.h"
 
 #include <stdlib.h>
 
@@ -115,7 +114,7 @@ static bool launch_query(void *context, const duet_plan *plan, bool staged, meas
     subject *s = context;
     query_result found;
     (void)staged;
-    core_watch_start(s->cores, core_spread(s->pair));
+    measure_watch(s->cores, s->pair);
     if (!ask(s->state, plan->share, &found, err))
         return false;
     core_use use = core_watch_stop(s->cores);

@@ -8,7 +8,6 @@
 #include "runtime/narrowphase/origin.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/sorted_pairs.h"
-#include "tuner/core_spread.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -186,7 +185,7 @@ static bool step(void *context, const duet_plan *plan, bool staged, measure_laun
     world->def.stage_times = staged;
     if (!duet_world_set_plan(world, plan, err) || !hand_over_objects(world, err))
         return false;
-    core_watch_start(s->cores, core_spread(world->def.pair));
+    measure_watch(s->cores, world->def.pair);
     if (!duet_world_step(world, &result, err))
         return false;
     core_use use = core_watch_stop(s->cores);

@@ -4,7 +4,6 @@
 #include "tuner/subject.h"
 
 #include "runtime/task/task_launch.h"
-#include "tuner/core_spread.h"
 
 static bool open(subject *s, duet_error *err)
 {
@@ -33,7 +32,7 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
     task_result r;
     (void)staged;
     task_launch_reset(s->state);
-    core_watch_start(s->cores, core_spread(s->pair)); // resetting and checking are not in the time
+    measure_watch(s->cores, s->pair); // resetting and checking are not in the time
     if (!task_launch_unchecked(s->state, plan, &r, err))
         return false;
     *out = (measure_launch){.total_ns = measure_to_ns(r.total_ms),

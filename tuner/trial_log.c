@@ -14,11 +14,11 @@ void trial_log_free(trial_log *t)
     *t = (trial_log){0};
 }
 
-bool trial_log_add(trial_log *t, const trial_log_entry *entry, duet_error *err)
+bool trial_log_add(trial_log *t, const trial *entry, duet_error *err)
 {
     if (t->n == t->capacity) {
         uint32_t capacity = t->capacity ? 2 * t->capacity : 64;
-        trial_log_entry *grown = realloc(t->entries, capacity * sizeof *grown);
+        trial *grown = realloc(t->entries, capacity * sizeof *grown);
         if (!grown)
             return error_set(err, DUET_STATUS_NO_MEMORY,
                              "a tuning of %" PRIu32 " trials: no memory", t->n + 1);
@@ -35,11 +35,11 @@ bool trial_log_same_plan(const duet_plan *a, const duet_plan *b)
            strcmp(a->variant_b, b->variant_b) == 0;
 }
 
-const trial_log_entry *trial_log_next(trial_log *t, const duet_plan *plan)
+const trial *trial_log_next(trial_log *t, const duet_plan *plan)
 {
     if (t->played == t->n)
         return NULL;
-    const trial_log_entry *entry = &t->entries[t->played];
+    const trial *entry = &t->entries[t->played];
     if (!trial_log_same_plan(&entry->plan, plan)) {
         t->n = t->played;
         return NULL;
@@ -55,7 +55,7 @@ void trial_log_to_json(const trial_log *t, text *json)
 {
     text_add(json, "{\"trials\":[");
     for (uint32_t i = 0; i < t->n; ++i) {
-        const trial_log_entry *e = &t->entries[i];
+        const trial *e = &t->entries[i];
         text_add(json, "%s[%" PRIu32 ",%d,\"%s\",\"%s\",", i ? "," : "", e->plan.share,
                  (int)e->plan.mode, e->plan.variant_a, e->plan.variant_b);
         text_add(json, "%d,%" PRIu64 ",%" PRIu64 ",%" PRIu64 ",", e->usable, e->sample.total_ns,
@@ -86,7 +86,7 @@ static bool next_variant(const cJSON **at, char variant[DUET_VARIANT])
     return ok;
 }
 
-static bool read_entry(const cJSON *row, trial_log_entry *e)
+static bool read_entry(const cJSON *row, trial *e)
 {
     uint64_t share = 0, mode = 0, usable = 0, launches = 0, watched = 0, disturbed = 0;
     const cJSON *at = row->child;
@@ -118,7 +118,7 @@ static bool read_log(const cJSON *rows, trial_log *t, duet_error *err)
         return error_set(err, DUET_STATUS_BAD_INPUT, "search state: not one that a tuning wrote");
     cJSON_ArrayForEach(row, rows)
     {
-        trial_log_entry entry = {0};
+        trial entry = {0};
         if (!read_entry(row, &entry))
             return error_set(err, DUET_STATUS_BAD_INPUT,
                              "search state: trial %" PRIu32 " is malformed", t->n);

@@ -11,7 +11,7 @@
 #include "tuner/duet_tune.h"
 #include "tuner/search.h"
 
-typedef struct trial_log_entry {
+typedef struct trial {
     duet_plan plan;
     bool usable;           // it built, ran and found the right pairs
     search_sample sample;  // its typical launch
@@ -20,24 +20,24 @@ typedef struct trial_log_entry {
     uint32_t launches;
     uint32_t watched;   // launches whose threads were watched
     uint32_t disturbed; // watched launches that waited for a core
-    uint64_t spent_ns;
-} trial_log_entry;
+    uint64_t spent_ns;  // by the clock, builds included
+} trial;
 
 typedef struct trial_log {
-    trial_log_entry *entries;
+    trial *entries;
     uint32_t n;
     uint32_t capacity;
     uint32_t played; // entries that were served again
 } trial_log;
 
 void trial_log_free(trial_log *t);
-bool trial_log_add(trial_log *t, const trial_log_entry *entry, duet_error *err);
+bool trial_log_add(trial_log *t, const trial *entry, duet_error *err);
 
 bool trial_log_same_plan(const duet_plan *a, const duet_plan *b);
 
 // The next entry to serve, if it is for this plan; NULL at the end. If it is for another plan,
 // something that decides has changed: the rest is forgotten.
-const trial_log_entry *trial_log_next(trial_log *t, const duet_plan *plan);
+const trial *trial_log_next(trial_log *t, const duet_plan *plan);
 
 void trial_log_to_json(const trial_log *t, text *json);
 // BAD_INPUT for text that no log wrote.

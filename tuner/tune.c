@@ -62,19 +62,6 @@ static void separate_energy(const tuning *t, duet_tune_outcome *o)
 
 // ---------------------------------------------------------------- a tuning
 
-// Kernels, then mode and share; or all of it by one strategy.
-static void find_plan(tuning *t)
-{
-    if (joint_search_is_asked(t->problem)) {
-        joint_search_run(t);
-    } else {
-        kernel_tuning_run(t);
-        mode_search_run(t);
-    }
-    for (uint32_t i = 0; t->problem->meter && i < t->n_founds; ++i)
-        t->founds[i].a_alone_ns = 0; // a slow device may be the more efficient one, and is raced
-}
-
 bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *outcome,
               duet_error *err)
 {
@@ -82,11 +69,12 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
                 .state = state,
                 .outcome = outcome,
                 .plan = problem->plan,
-                .repeats = problem->def->repeats};
+                .repeats = problem->def->repeats,
+                .search_trials = problem->def->search ? UINT32_MAX : 0};
     state->played = 0;
     *outcome = nothing_known(&t);
     variants_choose(&t);
-    find_plan(&t);
+    plan_search_run(&t);
     verdict_reach(&t);
     verdict_race_whole(&t);
     bool ok = t.why.status == DUET_STATUS_OK;

@@ -7,7 +7,6 @@
 #define TUNER_TUNE_H
 
 #include "tuner/measure.h"
-#include "tuner/trial_log.h"
 
 typedef struct tune_recorder {
     void *context;
@@ -23,16 +22,9 @@ typedef struct tune_whole {
     bool (*open)(void *context, const char *kernels, measure_machine *machine, duet_plan *plan);
 } tune_whole;
 
-// How many cores other programs have. look NULL: none.
-typedef struct tune_others {
-    void *context;
-    core_others (*look)(void *context);
-} tune_others;
-
 typedef struct tune_problem {
     const duet_tune_def *def; // the choices, budget, strategy and watch
     measure_machine machine;
-    tune_others others;
     energy_meter *meter; // energy is made small, which this reads; NULL: time is
     tune_recorder recorder;
     tune_whole whole;               // open NULL: there is none

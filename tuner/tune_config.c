@@ -4,6 +4,7 @@
 #include "base/text_file.h"
 #include "gen/field.h"
 #include "gen/sandbox.h"
+#include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/shipped.h"
 #include "tuner/strategy.h"
@@ -151,19 +152,18 @@ static void read_workloads(lua_State *L, tune_config *c)
 
 static void read_strategy(lua_State *L, tune_config *c)
 {
-    c->strategy = strategies[0]->name;
     lua_getfield(L, ROOT, "strategy");
     bool is_function = lua_isfunction(L, -1);
     lua_pop(L, 1);
     if (is_function) {
-        c->strategy = strategy_lua.name;
-        c->strategy_lua = text_chars(&c->text);
+        c->def.strategy = strategy_lua.name;
+        c->def.strategy_lua = text_chars(&c->text);
         return;
     }
-    c->strategy = field_string(L, ROOT, "strategy", c->strategy);
-    if (!strategy_find(c->strategy))
+    c->def.strategy = field_string(L, ROOT, "strategy", c->def.strategy);
+    if (!strategy_find(c->def.strategy))
         field_raise(L, "strategy", "there is no strategy '%s'; a function may also be given",
-                    c->strategy);
+                    c->def.strategy);
 }
 
 // The strings of a list, one after the other.
@@ -188,16 +188,10 @@ static uint32_t read_list(lua_State *L, const char *name, const char **items, ui
 static void read_modes(lua_State *L, tune_config *c)
 {
     const char *names[CONFIG_MODES];
-    c->n_modes = read_list(L, "modes", names, CONFIG_MODES);
-    for (uint32_t i = 0; i < c->n_modes; ++i) {
-        int mode = 0;
-        while (duet_mode_name((duet_mode)mode) &&
-               strcmp(duet_mode_name((duet_mode)mode), names[i]) != 0)
-            ++mode;
-        if (!duet_mode_name((duet_mode)mode))
+    c->def.n_modes = read_list(L, "modes", names, CONFIG_MODES);
+    for (uint32_t i = 0; i < c->def.n_modes; ++i)
+        if (!mode_from_name(names[i], &c->modes[i]))
             field_raise(L, "modes", "there is no mode '%s'", names[i]);
-        c->modes[i] = (duet_mode)mode;
-    }
 }
 
 // level = "sat6", or a list of levels that accuracy chooses from.
@@ -206,22 +200,22 @@ static void read_levels(lua_State *L, tune_config *c)
     const char *names[DUET_LEVELS];
     lua_getfield(L, ROOT, "level");
     bool is_list = lua_istable(L, -1);
-    c->n_levels = !lua_isnil(L, -1);
+    c->def.n_levels = !lua_isnil(L, -1);
     lua_pop(L, 1);
     if (!is_list) {
         accuracy_read_level(L, ROOT, &c->levels[0]);
         return;
     }
-    c->n_levels = read_list(L, "level", names, DUET_LEVELS);
-    for (uint32_t i = 0; i < c->n_levels; ++i)
+    c->def.n_levels = read_list(L, "level", names, DUET_LEVELS);
+    for (uint32_t i = 0; i < c->def.n_levels; ++i)
         if (!duet_level_from_name(names[i], &c->levels[i]))
             field_raise(L, "level", "there is no level '%s'", names[i]);
 }
 
 static void read_accuracy(lua_State *L, tune_config *c)
 {
-    c->has_accuracy = accuracy_read(L, ROOT, &c->accuracy);
-    if (c->n_levels > 1 && !c->has_accuracy)
+    c->def.has_accuracy = accuracy_read(L, ROOT, &c->def.accuracy);
+    if (c->def.n_levels > 1 && !c->def.has_accuracy)
         field_raise(L, "level", "several levels need an accuracy that one is chosen by");
 }
 
@@ -240,10 +234,10 @@ static void read_budget(lua_State *L, tune_config *c)
         return;
     int budget = lua_gettop(L);
     field_only(L, budget, "budget", names);
-    c->budget_seconds = field_number(L, budget, "seconds", 0);
-    if (c->budget_seconds < 0)
+    c->def.budget_seconds = field_number(L, budget, "seconds", 0);
+    if (c->def.budget_seconds < 0)
         field_raise(L, "seconds", "seconds is a time above 0");
-    c->budget_trials = read_count(L, budget, "trials", INT32_MAX);
+    c->def.budget_trials = read_count(L, budget, "trials", INT32_MAX);
     lua_pop(L, 1);
 }
 
@@ -258,28 +252,36 @@ static int read_config(lua_State *L)
     if (!lua_istable(L, ROOT))
         return field_raise(L, NULL, "a tune file returns a table, not %s", luaL_typename(L, ROOT));
     field_only(L, ROOT, "a tune file", names);
-    c->objective = field_string(L, ROOT, "objective", "time");
-    if (strcmp(c->objective, "time") != 0 && strcmp(c->objective, "energy") != 0)
+    c->def.objective = field_string(L, ROOT, "objective", c->def.objective);
+    if (strcmp(c->def.objective, "time") != 0 && strcmp(c->def.objective, "energy") != 0)
         field_raise(L, "objective", "there is no objective '%s'; expected 'time' or 'energy'",
-                    c->objective);
+                    c->def.objective);
     read_workloads(L, c);
     read_strategy(L, c);
     read_modes(L, c);
     read_budget(L, c);
     read_levels(L, c);
     read_accuracy(L, c);
-    c->n_variants = read_list(L, "variants", c->variants, CONFIG_VARIANTS);
-    c->search = field_string(L, ROOT, "search", NULL);
+    c->def.n_variants = read_list(L, "variants", c->variants, CONFIG_VARIANTS);
+    c->def.search = field_string(L, ROOT, "search", NULL);
     c->pair = field_string(L, ROOT, "pair", NULL);
-    c->repeats = read_count(L, ROOT, "repeats", 32);
-    c->seed = read_count(L, ROOT, "seed", INT32_MAX);
+    c->def.repeats = read_count(L, ROOT, "repeats", 32);
+    c->def.seed = read_count(L, ROOT, "seed", INT32_MAX);
     lua_settop(L, KEPT);
     return 1;
 }
 
+void tune_config_begin(tune_config *c)
+{
+    *c = (tune_config){.def = duet_default_tune_def()};
+    c->def.variants = c->variants;
+    c->def.modes = c->modes;
+    c->def.levels = c->levels;
+}
+
 bool tune_config_load(tune_config *c, const char *path, duet_error *err)
 {
-    *c = (tune_config){0};
+    tune_config_begin(c);
     c->script = sandbox_open(NULL, err);
     bool ok = c->script && text_read_lines(&c->text, path, err) &&
               script_run(c->script, path, text_chars(&c->text), c->text.length, 1, err);

@@ -24,27 +24,18 @@ typedef struct config_workload {
 typedef struct tune_config {
     config_workload workloads[CONFIG_WORKLOADS];
     uint32_t n_workloads;
-    const char *pair; // "A,B", or NULL
-    const char *strategy;
-    const char *strategy_lua; // the file's text, if strategy is a function
-    const char *objective;    // "time" or "energy"; NULL: time
-    const char *search;       // "kernels", a kernel's name, or NULL
-    const char *variants[CONFIG_VARIANTS];
-    uint32_t n_variants;
+    const char *pair;  // "A,B", or NULL
+    duet_tune_def def; // the rest of what the file says: how to tune each workload
+    const char *variants[CONFIG_VARIANTS]; // the def's lists
     duet_mode modes[CONFIG_MODES];
-    uint32_t n_modes;
-    duet_level levels[DUET_LEVELS]; // accuracy levels; none: the scenes'
-    uint32_t n_levels;
-    bool has_accuracy;
-    duet_accuracy accuracy;
-    double budget_seconds;
-    uint32_t budget_trials;
-    uint32_t repeats;
-    uint64_t seed;
+    duet_level levels[DUET_LEVELS];
     script *script; // keeps the strings
     text text;      // the file's text
     text list;      // variants that a caller gave as one text
 } tune_config;
+
+// The default def, and no workloads.
+void tune_config_begin(tune_config *config);
 
 // BAD_INPUT with file:line for a field that is wrong or that there is not.
 bool tune_config_load(tune_config *config, const char *path, duet_error *err);

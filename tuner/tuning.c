@@ -53,24 +53,32 @@ bool tuning_stop(tuning *t)
 // Until it is known what the kernels' search takes, only the budget limits the trials.
 static uint32_t most_trials(const tuning *t)
 {
-    bool known = t->search_known || !t->problem->def->search;
+    bool known = t->search_trials != UINT32_MAX;
     return known ? trial_budget_most(t->problem, t->search_trials) : t->problem->def->budget_trials;
 }
 
-static bool tell_watcher(tuning *t, const trial *entry, bool remembered)
+static duet_tune_progress progress_of(const tuning *t, const duet_plan *plan)
+{
+    return (duet_tune_progress){.stage = t->stage,
+                                .plan = plan,
+                                .trials = t->state->played + t->unlogged,
+                                .launches = t->launches,
+                                .seconds = (double)t->spent_ns * 1e-9};
+}
+
+static bool tell_watcher(tuning *t, const duet_tune_progress *progress)
 {
     const duet_tune_def *def = t->problem->def;
-    duet_tune_progress progress = {
-        .stage = t->stage,
-        .plan = &entry->plan,
-        .ms = (double)entry->sample.total_ns * 1e-6,
-        .trials = t->state->played + t->unlogged,
-        .most_trials = most_trials(t),
-        .launches = t->launches,
-        .seconds = (double)t->spent_ns * 1e-9,
-        .remembered = remembered,
-    };
-    return !def->watch || def->watch(def->watch_context, &progress) || tuning_stop(t);
+    return !def->watch || def->watch(def->watch_context, progress) || tuning_stop(t);
+}
+
+static bool tell_trial(tuning *t, const trial *got, bool remembered)
+{
+    duet_tune_progress progress = progress_of(t, &got->plan);
+    progress.ms = (double)got->sample.total_ns * 1e-6;
+    progress.most_trials = most_trials(t);
+    progress.remembered = remembered;
+    return tell_watcher(t, &progress);
 }
 
 // ---------------------------------------------------------------- other programs
@@ -83,8 +91,8 @@ enum { QUIET_TRIES = 5, MOST_QUIET_TRIES = 60 };
 
 static core_others look_at_others(const tuning *t)
 {
-    const tune_others *others = &t->problem->others;
-    return others->look ? others->look(others->context) : (core_others){0};
+    const measure_machine *machine = &t->problem->machine;
+    return machine->look_at_others ? machine->look_at_others(machine->context) : (core_others){0};
 }
 
 tuning_others tuning_describe_others(const tuning *t)
@@ -108,20 +116,14 @@ bool tuning_is_out_of_patience(const tuning *t)
 
 static bool tell_waiting(tuning *t, const duet_plan *plan)
 {
-    const duet_tune_def *def = t->problem->def;
     char waiting[128];
+    duet_tune_progress progress = progress_of(t, plan);
     snprintf(waiting, sizeof waiting, "other programs have %s", tuning_describe_others(t).chars);
-    duet_tune_progress progress = {
-        .stage = t->stage,
-        .plan = plan,
-        .trials = t->state->played + t->unlogged,
-        .launches = t->launches,
-        .seconds = (double)(t->spent_ns + t->waited_ns) * 1e-9,
-        .waiting = waiting,
-    };
-    bool goes_on = budget_check_stop(NULL) && !tuning_is_out_of_patience(t) &&
-                   (!def->watch || def->watch(def->watch_context, &progress));
-    return goes_on || tuning_stop(t);
+    progress.seconds += (double)t->waited_ns * 1e-9;
+    progress.waiting = waiting;
+    if (!budget_check_stop(NULL) || tuning_is_out_of_patience(t))
+        return tuning_stop(t);
+    return tell_watcher(t, &progress);
 }
 
 // Until other programs leave the cores, or for a while.
@@ -156,10 +158,10 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
     way.quiet = t->problem->def->wait_seconds > 0;
     *m = measure_plan(machine, plan, way);
     while (m->failure.status == DUET_STATUS_OK && m->counted < way.repeats) {
-        t->watched += m->watched;
-        t->disturbed += m->disturbed;
+        t->watched += m->trial.watched;
+        t->disturbed += m->trial.disturbed;
         bool crowded = look_at_others(t).is_crowded;
-        *(crowded ? &t->waited_ns : &t->spent_ns) += m->spent_ns;
+        *(crowded ? &t->waited_ns : &t->spent_ns) += m->trial.spent_ns;
         way.quiet = crowded || (++tries < QUIET_TRIES && t->quiet_tries++ < MOST_QUIET_TRIES);
         if (way.quiet && !(crowded ? wait_for_quiet(t, plan) : wait_for_scheduler(t)))
             return false;
@@ -170,30 +172,6 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
 
 // ---------------------------------------------------------------- trials
 
-static trial trial_of(const tuning *t, const duet_plan *plan, const measurement *m)
-{
-    const profile_sample *typical = &m->samples[m->typical];
-    trial entry = {
-        .plan = *plan,
-        .usable = strcmp(m->outcome, "ok") == 0,
-        .sample = {.share = plan->share},
-        .launches = m->n_samples,
-        .watched = m->watched,
-        .disturbed = m->disturbed,
-        .spent_ns = m->spent_ns,
-    };
-    if (entry.usable) {
-        entry.sample.total_ns = (uint64_t)typical->total_ns;
-        entry.sample.a_ns = (uint64_t)typical->a_ns;
-        entry.sample.b_ns = (uint64_t)typical->b_ns;
-        entry.terms = m->launch.terms;
-        if (t->focus.stages)
-            entry.focus_ns =
-                measure_stages_ns(&m->launch, t->focus.device, t->focus.stages, t->focus.n);
-    }
-    return entry;
-}
-
 static bool has_default_variants(const tune_problem *problem, const duet_plan *plan)
 {
     return strcmp(plan->variant_a, problem->plan.variant_a) == 0 &&
@@ -203,7 +181,7 @@ static bool has_default_variants(const tune_problem *problem, const duet_plan *p
 // The default variants must be right; any other that is wrong is passed over.
 static bool check_measured(tuning *t, const duet_plan *plan, const measurement *m)
 {
-    if (strcmp(m->outcome, "ok") == 0)
+    if (m->trial.usable)
         return true;
     error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
     if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->problem, plan))
@@ -230,15 +208,17 @@ static measure_way way_of(const tuning *t, const duet_plan *plan)
                          .meter = t->problem->meter};
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, trial *entry)
+static bool measure_live(tuning *t, const duet_plan *plan, trial *got)
 {
     const tune_recorder *recorder = &t->problem->recorder;
     measurement m;
     if (!budget_check(&t->why) ||
         !measure_in_quiet(t, &t->problem->machine, plan, way_of(t, plan), &m))
         return false;
-    *entry = trial_of(t, plan, &m);
-    if (!trial_log_add(t->state, entry, &t->why))
+    *got = m.trial;
+    if (got->usable && t->focus.stages)
+        got->focus_ns = measure_stages_ns(&m.launch, t->focus.device, t->focus.stages, t->focus.n);
+    if (!trial_log_add(t->state, got, &t->why))
         return false;
     ++t->state->played;
     return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, &t->why)) &&
@@ -265,7 +245,7 @@ trial tuning_run_trial(tuning *t, const duet_plan *plan)
         return (trial){0};
     t->first = kept ? t->state->played : t->first;
     count_trial(t, &got);
-    if (tell_watcher(t, &got, kept) && t->state->played == 1)
+    if (tell_trial(t, &got, kept) && t->state->played == 1)
         check_budget(t, &got);
     if (t->problem->meter) // what races and searches make small
         got.sample.total_ns = (uint64_t)(got.terms.joules * 1e9);
@@ -277,9 +257,8 @@ double tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet
     measurement m;
     if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m))
         return 0;
-    trial got = trial_of(t, plan, &m);
     ++t->unlogged;
-    count_trial(t, &got);
-    tell_watcher(t, &got, false);
-    return got.usable ? (double)got.sample.total_ns : 0;
+    count_trial(t, &m.trial);
+    tell_trial(t, &m.trial, false);
+    return m.trial.usable ? (double)m.trial.sample.total_ns : 0;
 }

@@ -41,9 +41,8 @@ typedef struct tuning {
     duet_plan plan; // the variants chosen so far
     mode_found founds[MOST_MODES];
     uint32_t n_founds;      // modes that were searched; 0: there is nothing to share
-    bool search_known;      // how many trials the search of kernels takes
     uint32_t search_begun;  // at this trial
-    uint32_t search_trials; // about
+    uint32_t search_trials; // about so many that the search of kernels takes; UINT32_MAX: not known
     uint32_t launches;
     uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
@@ -55,8 +54,6 @@ typedef struct tuning {
     bool cut;             // the budget ended a search
     duet_error failure;   // the first plan's that did not run
 } tuning;
-
-typedef trial_log_entry trial;
 
 // Whether the tuning has not stopped and the stage is within its part of the budget.
 bool tuning_goes_on(const tuning *t);

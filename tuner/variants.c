@@ -11,14 +11,14 @@ static const double HOPELESS = 2.0; // a plan this much slower is dropped from a
 // Races the variants of one device at a share; the best one enters the plan.
 static void choose_variant(tuning *t, int device, uint32_t share)
 {
-    field f = {0};
+    field f = {.of_a = device == 0, .hopeless = HOPELESS};
     const char *variant;
     for (uint32_t i = 0; (variant = tune_variant(t->problem->def, i)); ++i) {
         duet_plan plan = tuning_plan(t, share, DUET_MODE_OWN);
         plan_set_variant(&plan, device, variant);
         field_enter(&f, plan);
     }
-    field_race(t, &f, &trial_budget_quick_race, device == 0, HOPELESS);
+    field_race(t, &f, &trial_budget_quick_race);
     uint32_t leader = race_leader(&f.race);
     if (leader < f.n)
         plan_set_variant(&t->plan, device, plan_variant(&f.plans[leader], device));

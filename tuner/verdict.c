@@ -51,7 +51,7 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
     double times[2][STATS_MOST];
     uint32_t n = 0;
     for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
-        const trial_log_entry *entry = &state->entries[i];
+        const trial *entry = &state->entries[i];
         if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
             continue;
         times[0][n] = (double)entry->sample.a_ns;
@@ -86,7 +86,7 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 {
     uint32_t trials = 0, disturbed = 0;
     for (uint32_t i = 0; i < t->state->played; ++i) {
-        const trial_log_entry *entry = &t->state->entries[i];
+        const trial *entry = &t->state->entries[i];
         bool counts = entry->usable && trial_log_same_plan(&entry->plan, plan);
         trials += counts;
         disturbed += counts && 2 * entry->disturbed > entry->launches;
@@ -205,7 +205,7 @@ static void race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
         field_enter_new(f, &even);
     for (uint32_t i = 0; i < e->n; ++i)
         field_enter_new(f, &e->plans[i]);
-    field_race(t, f, &trial_budget_last_race, false, INFINITY);
+    field_race(t, f, &trial_budget_last_race);
 }
 
 // The best of the shared plans. An expected plan stays unless another is proven to be faster: in
@@ -250,7 +250,7 @@ void verdict_reach(tuning *t)
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
     race_options first = first_race(all.n - n_alone);
     if (all.n > 1)
-        field_race(t, &all, &first, false, INFINITY);
+        field_race(t, &all, &first);
     else
         run_alone(t, &all);
     uint32_t alone = race_best(&all.race, 0, n_alone);

@@ -152,15 +152,15 @@ static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_e
 // Cuts a copy of the list at its commas; a variant may hold spaces.
 static bool cut_variants(tune_config *config, const char *list, duet_error *err)
 {
-    config->n_variants = 0;
+    config->def.n_variants = 0;
     text_add(&config->list, "%s", list);
     if (!text_ok(&config->list, err))
         return false;
     for (char *at = config->list.chars; at;) {
-        if (config->n_variants == CONFIG_VARIANTS)
+        if (config->def.n_variants == CONFIG_VARIANTS)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--variants: at most %d",
                              CONFIG_VARIANTS);
-        config->variants[config->n_variants++] = at;
+        config->variants[config->def.n_variants++] = at;
         at = strchr(at, ',');
         if (at)
             *at++ = '\0';
@@ -171,14 +171,14 @@ static bool cut_variants(tune_config *config, const char *list, duet_error *err)
 // "sat6,sat15" as levels.
 static bool read_levels(const char *list, tune_config *config, duet_error *err)
 {
-    config->n_levels = 0;
+    config->def.n_levels = 0;
     for (const char *at = list; at;) {
         char name[32];
         snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
-        if (config->n_levels == DUET_LEVELS)
+        if (config->def.n_levels == DUET_LEVELS)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--level: at most %d levels",
                              DUET_LEVELS);
-        if (!inputs_read_level(name, &config->levels[config->n_levels++], err))
+        if (!inputs_read_level(name, &config->levels[config->def.n_levels++], err))
             return false;
         const char *comma = strchr(at, ',');
         at = comma ? comma + 1 : NULL;
@@ -193,12 +193,12 @@ static bool change_levels(const level_options *asked, tune_config *config, duet_
     bool given = inputs_accuracy_given(asked, &accuracy);
     if (!given && !asked->level)
         return true;
-    config->n_levels = 0;
-    config->has_accuracy = given;
-    config->accuracy = accuracy;
+    config->def.n_levels = 0;
+    config->def.has_accuracy = given;
+    config->def.accuracy = accuracy;
     if (asked->level && !read_levels(asked->level, config, err))
         return false;
-    return config->n_levels < 2 || given ||
+    return config->def.n_levels < 2 || given ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--level %s: to choose one of several, give --missed or --false-rate",
                      asked->level);
@@ -254,24 +254,24 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
                      : !add_scene(args, path, config, err))
         return false;
     if (args->strategy) {
-        config->strategy = args->strategy;
-        config->strategy_lua = NULL;
+        config->def.strategy = args->strategy;
+        config->def.strategy_lua = NULL;
     }
     if (args->strategy_path) {
-        config->strategy = "lua";
+        config->def.strategy = "lua";
         text_free(&config->text);
         if (!text_read_lines(&config->text, args->strategy_path, err))
             return false;
-        config->strategy_lua = text_chars(&config->text);
+        config->def.strategy_lua = text_chars(&config->text);
     }
-    config->objective = args->objective ? args->objective : config->objective;
-    config->search = args->search ? args->search : config->search;
+    config->def.objective = args->objective ? args->objective : config->def.objective;
+    config->def.search = args->search ? args->search : config->def.search;
     config->pair = args->pair ? args->pair : config->pair;
-    config->budget_seconds =
-        args->budget_seconds > 0 ? args->budget_seconds : config->budget_seconds;
-    config->budget_trials =
-        args->budget_trials > 0 ? (uint32_t)args->budget_trials : config->budget_trials;
-    config->repeats = args->repeats > 0 ? (uint32_t)args->repeats : config->repeats;
+    config->def.budget_seconds =
+        args->budget_seconds > 0 ? args->budget_seconds : config->def.budget_seconds;
+    config->def.budget_trials =
+        args->budget_trials > 0 ? (uint32_t)args->budget_trials : config->def.budget_trials;
+    config->def.repeats = args->repeats > 0 ? (uint32_t)args->repeats : config->def.repeats;
     if (!change_levels(&args->level, config, err))
         return false;
     return !args->variants || cut_variants(config, args->variants, err);
@@ -281,29 +281,13 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
 
 static duet_tune_def make_def(const arguments *args, const tune_config *config, tune_report *report)
 {
-    duet_tune_def def = duet_default_tune_def();
+    duet_tune_def def = config->def;
     def.store = args->store;
     def.ordered = args->ordered;
     def.fresh = args->fresh;
     def.keep = args->keep ? DUET_KEEP_ALWAYS : DUET_KEEP_DEFAULT;
-    def.strategy = config->strategy ? config->strategy : def.strategy;
-    def.strategy_lua = config->strategy_lua;
     def.strategy_name = args->strategy_path ? args->strategy_path : args->config;
     def.script = args->config ? text_chars(&config->text) : NULL;
-    def.objective = config->objective;
-    def.search = config->search;
-    def.variants = config->variants;
-    def.n_variants = config->n_variants;
-    def.modes = config->modes;
-    def.n_modes = config->n_modes;
-    def.levels = config->levels;
-    def.n_levels = config->n_levels;
-    def.has_accuracy = config->has_accuracy;
-    def.accuracy = config->accuracy;
-    def.budget_seconds = config->budget_seconds;
-    def.budget_trials = config->budget_trials;
-    def.repeats = config->repeats;
-    def.seed = config->seed;
     def.wait_seconds = args->wait_seconds;
     def.watch = tune_report_watch;
     def.watch_context = report;
@@ -319,12 +303,20 @@ static scene_options options_of(const arguments *args, const config_workload *w)
     return scene;
 }
 
+// The command that runs the plan, which is added behind it; a query has none.
 static void begin_command(text *command, const arguments *args, const config_workload *w,
                           const duet_device_pair *pair)
 {
-    scene_options scene = options_of(args, w);
+    scene_options asked = options_of(args, w);
+    if (w->query)
+        return;
     text_add(command, "duet run");
-    command_text_scene(command, w->scene, &scene);
+    if (w->task) {
+        command_text_option(command, "task", w->task);
+        command_text_settings(command, &asked);
+    } else {
+        command_text_scene(command, w->scene, &asked);
+    }
     command_text_pair(command, pair);
     if (args->ordered)
         text_add(command, " --ordered");
@@ -357,46 +349,6 @@ static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
     def->n_variants = def->n_modes = 0;
 }
 
-static bool tune_workload(const arguments *args, const duet_tune_def *tuning,
-                          const config_workload *w, const duet_scene *scene, tune_report *report,
-                          duet_error *err)
-{
-    duet_tune_outcome outcome;
-    duet_tune_def with_query = *tuning, *def = &with_query;
-    text command = {0};
-    def->scene = scene;
-    aim_at(def, w, args->config);
-    tune_report_workload(report, duet_scene_get_info(scene), def);
-    if (!duet_tune_run(def, &outcome, err))
-        return false;
-    if (!def->query)
-        begin_command(&command, args, w, def->pair);
-    tune_report_add(report, &outcome, &command);
-    text_free(&command);
-    return true;
-}
-
-static bool tune_task(const arguments *args, const duet_tune_def *tuning, const config_workload *w,
-                      task *t, tune_report *report, duet_error *err)
-{
-    duet_tune_outcome outcome;
-    duet_tune_def def = *tuning;
-    scene_options asked = options_of(args, w);
-    text command = {0};
-    def.task = t;
-    aim_at(&def, w, args->config);
-    tune_report_task(report, t);
-    if (!duet_tune_run(&def, &outcome, err))
-        return false;
-    text_add(&command, "duet run");
-    command_text_option(&command, "task", w->task);
-    command_text_settings(&command, &asked);
-    command_text_pair(&command, def.pair);
-    tune_report_add(report, &outcome, &command);
-    text_free(&command);
-    return true;
-}
-
 static bool check_query(const config_workload *w, const duet_device_pair *pair, duet_error *err)
 {
     return !w->query || !duet_device_pair_is_one(pair) ||
@@ -417,24 +369,36 @@ static bool check_strategy(const arguments *args, const duet_device_pair *pair, 
                      args->strategy ? "" : "-lua", duet_device_pair_get_info(pair, 0)->selector);
 }
 
-static bool tune_scene(const arguments *args, const duet_tune_def *def, const config_workload *w,
-                       tune_report *report, duet_error *err)
+static bool tune_loaded(const arguments *args, duet_tune_def *def, const config_workload *w,
+                        tune_report *report, duet_error *err)
 {
-    scene_options asked = options_of(args, w);
-    duet_scene *scene = inputs_load_objects(w->scene, &asked, err);
-    bool ok = scene && check_query(w, def->pair, err) && put_in_order(def, scene, err) &&
-              tune_workload(args, def, w, scene, report, err);
-    duet_scene_destroy(scene);
-    return ok;
+    duet_tune_outcome outcome;
+    text command = {0};
+    aim_at(def, w, args->config);
+    if (def->task)
+        tune_report_task(report, def->task);
+    else
+        tune_report_workload(report, duet_scene_get_info(def->scene), def);
+    if (!duet_tune_run(def, &outcome, err))
+        return false;
+    begin_command(&command, args, w, def->pair);
+    tune_report_add(report, &outcome, &command);
+    text_free(&command);
+    return true;
 }
 
-static bool load_and_tune_task(const arguments *args, const duet_tune_def *def,
-                               const config_workload *w, tune_report *report, duet_error *err)
+static bool tune_workload(const arguments *args, const duet_tune_def *tuning,
+                          const config_workload *w, tune_report *report, duet_error *err)
 {
     scene_options asked = options_of(args, w);
-    task *t = inputs_load_task(w->task, &asked, err);
-    bool ok = t && tune_task(args, def, w, t, report, err);
-    task_destroy(t);
+    duet_tune_def def = *tuning;
+    duet_scene *scene = w->task ? NULL : inputs_load_objects(w->scene, &asked, err);
+    def.task = w->task ? inputs_load_task(w->task, &asked, err) : NULL;
+    def.scene = scene;
+    bool ok = (scene || def.task) && check_query(w, def.pair, err) &&
+              (!scene || put_in_order(&def, scene, err)) && tune_loaded(args, &def, w, report, err);
+    duet_scene_destroy(scene);
+    task_destroy(def.task);
     return ok;
 }
 
@@ -445,10 +409,9 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
     def.pair = inputs_open_pair(config->pair, err);
     bool ok = def.pair && check_strategy(args, def.pair, err);
     if (ok)
-        tune_report_expect(report, def.pair, config->n_workloads, config->budget_seconds);
+        tune_report_expect(report, def.pair, config->n_workloads, config->def.budget_seconds);
     for (uint32_t i = 0; ok && i < config->n_workloads; ++i)
-        ok = (config->workloads[i].task ? load_and_tune_task : tune_scene)(
-            args, &def, &config->workloads[i], report, err);
+        ok = tune_workload(args, &def, &config->workloads[i], report, err);
     duet_device_pair_destroy(def.pair);
     return ok;
 }
@@ -476,6 +439,7 @@ static bool run(void *given, char **operands, duet_error *err)
     tune_config *config = calloc(1, sizeof *config);
     if (!config)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tuning");
+    tune_config_begin(config);
     tune_report report = tune_report_begin(args->json, args->store);
     bool ok =
         make_config(args, operands[0], config, err) && tune_workloads(args, config, &report, err);

@@ -25,8 +25,23 @@ static int by_loss(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
-                        const replay_outcome *worst)
+// Each run's gains, as [seconds, ms].
+static void add_gains(cJSON *row, const replay_outcome *outcomes)
+{
+    cJSON *runs = cJSON_AddArrayToObject(row, "runs");
+    for (uint32_t i = 0; i < RUNS; ++i) {
+        cJSON *gains = cJSON_CreateArray();
+        cJSON_AddItemToArray(runs, gains);
+        for (uint32_t k = 0; k < outcomes[i].n_gains; ++k) {
+            const replay_gain *g = &outcomes[i].gains[k];
+            const double at[2] = {g->seconds, g->median_ns * 1e-6};
+            cJSON_AddItemToArray(gains, cJSON_CreateDoubleArray(at, 2));
+        }
+    }
+}
+
+static cJSON *add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
+                          const replay_outcome *worst)
 {
     cJSON *row = json_add_row(rows);
     json_add(row, STRING("strategy", name));
@@ -36,19 +51,20 @@ static void add_outcome(cJSON *rows, const char *name, const replay_outcome *o,
              NUMBER("worst_loss", worst->loss), STRING("verdict", o->verdict),
              NUMBER("search_launches", o->search_launches), NUMBER("launches", o->launches),
              NUMBER("seconds", o->seconds));
+    return row;
 }
 
-static bool replay_strategy(replay *r, replay_def def, cJSON *rows, duet_error *err)
+static bool replay_strategy(replay *r, duet_tune_def def, script *own, cJSON *rows, duet_error *err)
 {
     replay_outcome runs[RUNS];
     uint64_t seed = def.seed;
     for (uint32_t i = 0; i < RUNS; ++i) {
         def.seed = rng_stream(seed, i).state;
-        if (!interrupt_check(err) || !replay_run(r, &def, &runs[i], err))
+        if (!interrupt_check(err) || !replay_run(r, &def, own, &runs[i], err))
             return false;
     }
     qsort(runs, RUNS, sizeof *runs, by_loss);
-    add_outcome(rows, def.strategy, &runs[RUNS / 2], &runs[RUNS - 1]);
+    add_gains(add_outcome(rows, def.strategy, &runs[RUNS / 2], &runs[RUNS - 1]), runs);
     return true;
 }
 
@@ -59,20 +75,29 @@ static bool replay_strategies(replay *r, const replay_options *options, script *
 {
     const char *asked = lua ? strategy_lua.name : options->strategy;
     const strategy_choice choice = r->surface->joint ? STRATEGY_JOINT : STRATEGY_SHARE;
-    replay_def def = {.repeats = (uint32_t)options->repeats, .seed = options->seed};
-    def.script = lua;
+    duet_tune_def def = duet_default_tune_def();
+    def.seed = options->seed;
+    def.repeats = options->repeats ? (uint32_t)options->repeats : def.repeats;
     if ((def.strategy = asked))
-        return replay_strategy(r, def, rows, err);
+        return replay_strategy(r, def, lua, rows, err);
     for (uint32_t i = 0; strategies[i]; ++i) {
         def.strategy = strategies[i]->name;
         if (strategies[i]->choice == choice && strategies[i] != &strategy_lua &&
-            !replay_strategy(r, def, rows, err))
+            !replay_strategy(r, def, NULL, rows, err))
             return false;
     }
     return true;
 }
 
 // ---------------------------------------------------------------- surfaces
+
+static cJSON *list_medians(const replay *r)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (uint32_t i = 0; i < r->n_points; ++i)
+        cJSON_AddItemToArray(list, cJSON_CreateNumber(r->points[i].median_ns * 1e-6));
+    return list;
+}
 
 static cJSON *describe(const replay *r)
 {
@@ -86,6 +111,7 @@ static cJSON *describe(const replay *r)
     }
     json_add(o, STRING("level", s->level), STRING("a", s->a), STRING("b", s->b),
              NUMBER("plans", r->n_points), NUMBER("best_ms", r->best->median_ns * 1e-6));
+    cJSON_AddItemToObject(o, "recorded_ms", list_medians(r));
     json_add_plan(o, best->share / (double)DUET_SHARE_ONE, duet_mode_name(best->mode),
                   s->joint ? best->variant_a : s->variant_a,
                   s->joint ? best->variant_b : s->variant_b);

@@ -130,3 +130,30 @@ bool variant_is(const variant *a, const variant *b)
     }
     return same;
 }
+
+const char *duet_mode_name(duet_mode mode)
+{
+    switch (mode) {
+    case DUET_MODE_SHARED:
+        return "shared";
+    case DUET_MODE_OWN:
+        return "own";
+    case DUET_MODE_SLAB:
+        return "slab";
+    case DUET_MODE_DEFAULT:
+        return "default";
+    }
+    return NULL;
+}
+
+bool mode_from_name(const char *name, duet_mode *mode)
+{
+    const char *known;
+    for (int m = 0; (known = duet_mode_name((duet_mode)m)); ++m) {
+        if (strcmp(known, name) != 0)
+            continue;
+        *mode = (duet_mode)m;
+        return true;
+    }
+    return false;
+}

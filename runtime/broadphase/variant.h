@@ -57,4 +57,7 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
 // Whether both ask for the same.
 bool variant_is(const variant *a, const variant *b);
 
+// False for a name that no mode has.
+bool mode_from_name(const char *name, duet_mode *mode);
+
 #endif

@@ -11,21 +11,6 @@
 
 enum { COOKIE = 0x0d0e7002 };
 
-const char *duet_mode_name(duet_mode mode)
-{
-    switch (mode) {
-    case DUET_MODE_SHARED:
-        return "shared";
-    case DUET_MODE_OWN:
-        return "own";
-    case DUET_MODE_SLAB:
-        return "slab";
-    case DUET_MODE_DEFAULT:
-        return "default";
-    }
-    return NULL;
-}
-
 static uint32_t default_share(const duet_device_pair *pair)
 {
     uint64_t a = pair->devices[0].info.units, b = pair->devices[1].info.units;

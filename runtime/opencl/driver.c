@@ -12,12 +12,24 @@
 #include <unistd.h>
 
 // A macro's name within its own expansion is OpenCL's own function.
-const char driver_third_axis[] =
-    "#define get_group_id(axis) get_group_id(2)\n"
-    "#define get_num_groups(axis) get_num_groups(2)\n"
-    "#define get_global_id(axis) (get_group_id(2) * get_local_size(0) + get_local_id(0))\n"
-    "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
-    "#line 1\n";
+const char *driver_third_axis(uint32_t n_axes)
+{
+    static const char *const texts[] = {
+        "#define get_group_id(axis) get_group_id(2)\n"
+        "#define get_num_groups(axis) get_num_groups(2)\n"
+        "#define get_global_id(axis) (get_group_id(2) * get_local_size(0) + get_local_id(0))\n"
+        "#define get_global_size(axis) (get_num_groups(2) * get_local_size(0))\n"
+        "#line 1\n",
+        // the second and the third change places
+        "#define get_group_id(axis) get_group_id((axis) ? 3 - (axis) : 0)\n"
+        "#define get_num_groups(axis) get_num_groups((axis) ? 3 - (axis) : 0)\n"
+        "#define get_global_id(axis) (get_group_id(axis) * get_local_size(axis) + "
+        "get_local_id(axis))\n"
+        "#define get_global_size(axis) (get_num_groups(axis) * get_local_size(axis))\n"
+        "#line 1\n",
+        ""};
+    return texts[n_axes - 1];
+}
 
 const char driver_header_option[] = "-D _OPENCL_H_"; // the guard of Clang's opencl-c.h
 

@@ -41,9 +41,9 @@ typedef enum driver_quirk {
 
 uint32_t driver_quirks(const duet_device_info *info);
 
-// Text before each kernel for DRIVER_TWO_WIDTHS: the functions of OpenCL by which a kernel asks for
-// its place along the first axis.
-extern const char driver_third_axis[];
+// Text before a kernel that is launched along so many axes, for DRIVER_TWO_WIDTHS: the functions of
+// OpenCL by which it asks for its place along the last one.
+const char *driver_third_axis(uint32_t n_axes);
 
 // The option that leaves out the header for DRIVER_READS_HEADER.
 extern const char driver_header_option[];

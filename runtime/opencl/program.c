@@ -130,7 +130,7 @@ static program *new_program(const program_set *set, const gen_variant *variant, 
 {
     const bool two_widths = set->device->quirks & DRIVER_TWO_WIDTHS;
     text all = {0};
-    text_add(&all, "%s%s", two_widths ? driver_third_axis : "", variant->text);
+    text_add(&all, "%s%s", two_widths ? driver_third_axis(variant->n_axes) : "", variant->text);
     program *p = text_ok(&all, NULL) ? calloc(1, sizeof *p) : NULL;
     if (!p) {
         text_free(&all);
@@ -169,6 +169,8 @@ static kernel *find_or_add_entry(const program_set *set, program *p, const char 
     k->launcher = *l;
     k->group = variant->group;
     k->per_item = variant->per_item;
+    k->n_axes = variant->n_axes;
+    memcpy(k->more, variant->more, sizeof k->more);
     snprintf(k->name, sizeof k->name, "%s", variant->name);
     snprintf(p->entries[p->n_entries].entry, sizeof p->entries[0].entry, "%s", entry);
     ++p->n_entries;

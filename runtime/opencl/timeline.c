@@ -197,6 +197,41 @@ static bool set_args(const kernel *k, const void *values, const device *d, duet_
     return true;
 }
 
+// The groups along each axis; the last one becomes the third if the driver asks for that.
+static void count_groups(const timeline *t, const kernel *k, const uint64_t units[3], size_t n[3])
+{
+    const gen_axis axes[3] = {{k->group, k->per_item}, k->more[0], k->more[1]};
+    for (int i = 0; i < 3; ++i) {
+        uint64_t per_group = (uint64_t)axes[i].group * axes[i].per_item;
+        n[i] = (size_t)((units[i] + per_group - 1) / per_group);
+    }
+    if ((t->device->quirks & DRIVER_TWO_WIDTHS) && k->n_axes < 3) {
+        n[2] = n[k->n_axes - 1];
+        n[k->n_axes - 1] = 1;
+    }
+}
+
+static bool launch(timeline *t, const char *stage, const kernel *k, const uint64_t units[3],
+                   cl_event after, const void *values, duet_error *err)
+{
+    if (units[k->n_axes - 1] == 0)
+        return true;
+    if (!set_args(k, values, t->device, err))
+        return false;
+    const size_t group[3] = {k->group, k->more[0].group, k->more[1].group};
+    size_t n[3];
+    count_groups(t, k, units, n);
+    const size_t items[3] = {n[0] * group[0], n[1] * group[1], n[2] * group[2]};
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueNDRangeKernel(t->device->queue, k->cl, 3, NULL, items, group, after ? 1 : 0,
+                               after ? &after : NULL, t->untimed ? NULL : &event);
+    if (code != CL_SUCCESS)
+        return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
+    ++t->n_launches;
+    return keep_command(t, stage, event, err);
+}
+
 bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t work,
                      const void *values, duet_error *err)
 {
@@ -206,24 +241,14 @@ bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t w
 bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t work,
                            cl_event after, const void *values, duet_error *err)
 {
-    if (work == 0)
-        return true;
-    if (!set_args(k, values, t->device, err))
-        return false;
-    uint64_t per_group = (uint64_t)k->group * k->per_item;
-    size_t n_groups = (size_t)((work + per_group - 1) / per_group);
-    const size_t group[3] = {k->group, 1, 1};
-    const size_t along_first[3] = {n_groups * k->group, 1, 1};
-    const size_t along_third[3] = {k->group, 1, n_groups};
-    cl_event event = NULL;
-    cl_int code = clEnqueueNDRangeKernel(
-        t->device->queue, k->cl, 3, NULL,
-        (t->device->quirks & DRIVER_TWO_WIDTHS) ? along_third : along_first, group, after ? 1 : 0,
-        after ? &after : NULL, t->untimed ? NULL : &event);
-    if (code != CL_SUCCESS)
-        return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
-    ++t->n_launches;
-    return keep_command(t, stage, event, err);
+    const uint64_t units[3] = {work, 1, 1};
+    return launch(t, stage, k, units, after, values, err);
+}
+
+bool timeline_launch_grid(timeline *t, const char *stage, const kernel *k, const uint64_t units[3],
+                          const void *values, duet_error *err)
+{
+    return launch(t, stage, k, units, NULL, values, err);
 }
 
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,

@@ -66,6 +66,10 @@ bool timeline_launch(timeline *t, const char *stage, const kernel *k, uint64_t w
 bool timeline_launch_after(timeline *t, const char *stage, const kernel *k, uint64_t work,
                            cl_event after, const void *values, duet_error *err);
 
+// The same over units along each of the kernel's axes; none if there are none along its last one.
+bool timeline_launch_grid(timeline *t, const char *stage, const kernel *k, const uint64_t units[3],
+                          const void *values, duet_error *err);
+
 // Sets words [from, to) of a buffer to a value.
 bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
                    size_t to, duet_error *err);

@@ -6,6 +6,7 @@
 #include "base/blob.h"
 #include "base/error.h"
 #include "base/text_file.h"
+#include "runtime/broadphase/variant.h"
 #include "runtime/broadphase/workload_stats.h"
 #include "runtime/dynamics/motion.h"
 #include "runtime/narrowphase/origin.h"
@@ -374,12 +375,8 @@ bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet
     *plan = (duet_plan){.share = stored->share};
     memcpy(plan->variant_a, stored->variant_a, sizeof plan->variant_a);
     memcpy(plan->variant_b, stored->variant_b, sizeof plan->variant_b);
-    for (int mode = 0; duet_mode_name((duet_mode)mode); ++mode) {
-        plan->mode = (duet_mode)mode;
-        if (strcmp(duet_mode_name(plan->mode), stored->mode) == 0)
-            return true;
-    }
-    return error_set(err, DUET_STATUS_BAD_INPUT, "the profile's mode '%s' is not known here",
+    return mode_from_name(stored->mode, &plan->mode) ||
+           error_set(err, DUET_STATUS_BAD_INPUT, "the profile's mode '%s' is not known here",
                      stored->mode);
 }
 

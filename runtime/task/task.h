@@ -95,6 +95,7 @@ typedef struct duet_task_file {
     uint64_t items;
     uint64_t size;    // key.n, or items
     uint64_t work;    // work-units of an item
+    uint64_t wide;    // of these side by side, the others above each other
     double tolerance; // by the greater of 1 and the expected value; 0: exact
 } task;
 

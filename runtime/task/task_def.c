@@ -80,6 +80,20 @@ static void set_key(lua_State *L, const duet_task_def *def)
     lua_setfield(L, -2, "key");
 }
 
+static void set_work(lua_State *L, const duet_task_def *def)
+{
+    if (def->high == 0) {
+        set_count(L, "work", def->work);
+        return;
+    }
+    lua_newtable(L);
+    push_count(L, def->work);
+    lua_rawseti(L, -2, 1);
+    push_count(L, def->high);
+    lua_rawseti(L, -2, 2);
+    lua_setfield(L, -2, "work");
+}
+
 // def -> table
 static int push_task(lua_State *L)
 {
@@ -90,7 +104,7 @@ static int push_task(lua_State *L)
     set_args(L, def);
     push_count(L, def->items);
     lua_setfield(L, -2, "items");
-    set_count(L, "work", def->work);
+    set_work(L, def);
     set_string(L, "reference", def->reference);
     lua_pushnumber(L, def->tolerance);
     lua_setfield(L, -2, "tolerance");

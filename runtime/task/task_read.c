@@ -127,6 +127,35 @@ static void read_key(lua_State *L, task *t)
     lua_pop(L, 1);
 }
 
+// Number i of the list on top.
+static uint64_t read_side(lua_State *L, lua_Integer i)
+{
+    int whole = 0;
+    lua_rawgeti(L, -1, i);
+    int64_t value = lua_tointegerx(L, -1, &whole);
+    if (!whole || value < 1 || value > TASK_MOST)
+        field_raise(L, "work", "work[%d] is %s; expected 1 to %" PRId64, (int)i,
+                    script_tostring(L, -1, NULL), TASK_MOST);
+    lua_pop(L, 1);
+    return (uint64_t)value;
+}
+
+// A number, or { wide, high }.
+static void read_work(lua_State *L, task *t)
+{
+    if (lua_getfield(L, ROOT, "work") != LUA_TTABLE) {
+        t->work = t->wide = read_count(L, "work", 1);
+    } else if (lua_rawlen(L, -1) != 2) {
+        field_raise(L, "work", "work has %d numbers; expected one, or { wide, high }",
+                    (int)lua_rawlen(L, -1));
+    } else {
+        t->wide = read_side(L, 1);
+        uint64_t high = read_side(L, 2);
+        t->work = high > (uint64_t)TASK_MOST / t->wide ? UINT64_MAX : t->wide * high;
+    }
+    lua_pop(L, 1);
+}
+
 int task_read_table(lua_State *L)
 {
     static const char *const names[] = {"kernel", "entry",     "args",      "items", "work",
@@ -147,7 +176,7 @@ int task_read_table(lua_State *L)
         return field_raise(L, NULL, "items is missing; expected how many there are");
     lua_pop(L, 1);
     t->items = read_count(L, "items", 0);
-    t->work = read_count(L, "work", 1);
+    read_work(L, t);
     if (t->work > (uint64_t)TASK_MOST / t->items)
         return field_raise(L, "work",
                            "work is %" PRIu64 " for each of %" PRIu64 " items; expected at most "

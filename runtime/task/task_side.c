@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/task/task_launcher.h"
 
+#include <string.h>
+
 // ---------------------------------------------------------------- ranges of arrays
 
 size_t task_arg_offset(const task_arg *arg, uint64_t item)
@@ -65,10 +67,20 @@ bool task_side_send(task_side *s, duet_error *err)
     return ok;
 }
 
-bool task_side_launch(task_side *s, duet_error *err)
+// Work-units along each axis of the kernel: the items lie along the last one.
+static void list_units(const task_side *s, uint64_t units[3])
 {
     const task *t = s->launcher->task;
-    task_call_aim(s->call, t, s->side.first, s->side.last);
-    return timeline_launch(&s->side.times, "kernel", s->kernel,
-                           (s->side.last - s->side.first) * t->work, s->call->slots, err);
+    uint64_t items = s->side.last - s->side.first;
+    const uint64_t of[3][3] = {
+        {items * t->work, 1, 1}, {t->work, items, 1}, {t->wide, t->work / t->wide, items}};
+    memcpy(units, of[s->kernel->n_axes - 1], sizeof of[0]);
+}
+
+bool task_side_launch(task_side *s, duet_error *err)
+{
+    uint64_t units[3];
+    task_call_aim(s->call, s->launcher->task, s->side.first, s->side.last);
+    list_units(s, units);
+    return timeline_launch_grid(&s->side.times, "kernel", s->kernel, units, s->call->slots, err);
 }

@@ -20,7 +20,11 @@ static void ask(card *c, const gen_limits *limits)
         card_config(c, i, config);
         bool ok = card_check(c, limits, config, &launch, &err);
         fuzz_require_answer(ok, &err);
-        fuzz_require(!ok || (launch.group <= limits->max_group && launch.group > 0));
+        double group = 1;
+        for (uint32_t axis = 0; ok && axis < 3; ++axis)
+            group *= launch.axes[axis].group;
+        fuzz_require(!ok || (group <= limits->max_group && group > 0 && launch.n_axes >= 1 &&
+                             launch.n_axes <= 3));
     }
 }
 

@@ -134,6 +134,100 @@ TEST(an_item_may_be_a_row_with_units_of_its_own)
                       "rows");
 }
 
+// ---------------------------------------------------------------- grids
+
+static void write_grid(const char *name, const char *launch, const char *args, const char *text)
+{
+    char path[80], card[800];
+    snprintf(path, sizeof path, "%s.lua", name);
+    snprintf(card, sizeof card,
+             "return { about = 'test', params = { { 'WG', values = { 1, 4, 16 }, about = 'group' } "
+             "}, args = { %s = [[\nulong first\nulong last\n%s]] }, launch = function(p) return "
+             "%s end }",
+             name, args, launch);
+    test_write_file(path, card);
+    snprintf(path, sizeof path, "%s.cl", name);
+    test_write_file(path, text);
+}
+
+// 37 columns to an item, in groups of two items, which read each other's numbers in local memory.
+TEST(a_grid_of_two_dimensions_is_shared_along_the_second)
+{
+    write_grid("plane", "{ group = { p.WG, 2 }, per_item = 1 }", "uint width\nint *y\n",
+               "__kernel void plane(PLANE_ARGS)\n{\n"
+               "    __local int of_group[2][16];\n"
+               "    uint column = get_global_id(0), k = get_local_id(0), m = get_local_id(1);\n"
+               "    ulong item = first + get_global_id(1);\n"
+               "    of_group[m][k] = (int)(item * 1000 + column);\n"
+               "    barrier(CLK_LOCAL_MEM_FENCE);\n"
+               "    bool ids = get_group_id(1) * get_local_size(1) + m == get_global_id(1) &&\n"
+               "               get_global_size(1) == get_num_groups(1) * get_local_size(1) &&\n"
+               "               get_global_id(2) == 0 && get_global_size(0) >= width &&\n"
+               "               get_global_size(1) >= last - first;\n"
+               "    if (column < width && item < last)\n"
+               "        y[item * width + column] = ids ? of_group[m][k] + of_group[1 - m][k] -\n"
+               "                                             of_group[1 - m][k] : -1;\n}\n");
+    launch_everywhere("return { kernel = 'plane', items = 101, work = 37, args = { width = 37, y = "
+                      "{ 'int', 101 * 37, access = 'out slice' } }, reference = function(v) for i "
+                      "= 0, #v.y - 1 do v.y[i] = i // 37 * 1000 + i % 37 end end }",
+                      "plane");
+}
+
+// Planes of 13 columns and 7 rows; a work-item does two columns.
+TEST(a_grid_of_three_dimensions_is_shared_along_the_third)
+{
+    write_grid("space", "{ group = { p.WG, 2, 1 }, per_item = { 2, 1, 1 } }",
+               "const int *x\nint *y\n",
+               "__kernel void space(SPACE_ARGS)\n{\n"
+               "    uint row = get_global_id(1);\n"
+               "    ulong item = first + get_global_id(2);\n"
+               "    for (uint c = 2 * get_global_id(0); c < 2 * get_global_id(0) + 2; ++c)\n"
+               "        if (c < 13 && row < 7 && item < last)\n"
+               "            y[(item * 7 + row) * 13 + c] = x[(item * 7 + row) * 13 + c] + (int)c;\n"
+               "}\n");
+    launch_everywhere("return { kernel = 'space', items = 19, work = { 13, 7 }, args = { x = { "
+                      "'int', 19 * 91, init = 'index', access = 'slice' }, y = { 'int', 19 * 91, "
+                      "access = 'out slice' } }, reference = function(v) for i = 0, #v.y - 1 do "
+                      "v.y[i] = i + i % 13 end end }",
+                      "space");
+}
+
+// The same work by a kernel of one dimension.
+TEST(a_grid_may_have_a_reference_without_one)
+{
+    static const char text[] = "__kernel void %s(%s_ARGS)\n{\n    ulong u = first * 5 + %s;\n    "
+                               "if (%s u < last * 5)\n        y[u] = (int)u;\n}\n";
+    char lined[400];
+    write_kernel("line", "int *y\n", "");
+    snprintf(lined, sizeof lined, text, "line", "LINE", "get_global_id(0)", "");
+    test_write_file("line.cl", lined);
+    snprintf(lined, sizeof lined, text, "grid", "GRID", "get_global_id(1) * 5 + get_global_id(0)",
+             "get_global_id(0) < 5 &&");
+    write_grid("grid", "{ group = { p.WG, 4 }, per_item = 1 }", "int *y\n", lined);
+    launch_everywhere("return { kernel = 'grid', items = 41, work = 5, reference = 'line', args = "
+                      "{ y = { 'int', 205, access = 'out slice' } } }",
+                      "grid");
+}
+
+TEST(a_launch_that_is_no_grid_is_refused)
+{
+    static const struct {
+        const char *launch, *says;
+    } cases[] = {
+        {"{ group = {}, per_item = 1 }", "launch gives a list of 0 for group; expected 1 to 3"},
+        {"{ group = { 1, 1, 1, 1 }, per_item = 1 }", "launch gives a list of 4 for group"},
+        {"{ group = { 1, 0 }, per_item = 1 }", "launch gives no group of 1 or more"},
+        {"{ group = { 65536, 65536 }, per_item = 1 }", "a group of 4294967296 is above"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        write_grid("bad", cases[i].launch, "int *y\n", "__kernel void bad(BAD_ARGS)\n{\n}\n");
+        expect_open_fails("return { kernel = 'bad', items = 4, args = { y = { 'int', 4, access = "
+                          "'out slice' } } }",
+                          i < 3 ? DUET_STATUS_BUILD_FAILED : DUET_STATUS_BAD_ARGUMENT,
+                          cases[i].says);
+    }
+}
+
 TEST(another_kernel_or_a_file_says_what_is_right)
 {
     write_kernel("twice", "const float *x\nfloat *y\n", "y[i] = x[i] + x[i];");
@@ -243,6 +337,9 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"return { kernel = 'k', items = 0, args = {} }", "t.task.lua:1: items is 0; expected 1"},
         {"return { kernel = 'k', items = 10, foo = 1 }", "a task has no field 'foo'"},
         {"return { kernel = 'k', items = 2^30, work = 2^30 }", "work is 1073741824 for each of"},
+        {"return { kernel = 'k', items = 2^30, work = { 2^20, 2^20 } }", "for each of"},
+        {"return { kernel = 'k', items = 10, work = { 4 } }", "work has 1 numbers; expected one,"},
+        {"return { kernel = 'k', items = 10, work = { 4, 0 } }", "work[2] is 0; expected 1"},
         {"return { kernel = 'k', items = 10, args = { x = { 'float', 10 } } }",
          "args: no array is written"},
         {"return { kernel = 'k', items = 10, args = { 5 } }", "args has a field [1]"},

@@ -173,7 +173,8 @@ TEST(a_reference_is_another_kernel)
 // ---------------------------------------------------------------- the same as a file
 
 static const char file[] =
-    "return { kernel = 'scale', items = 1003, tolerance = 0.5, work = 2, key = { n = 7, bins = 64, "
+    "return { kernel = 'scale', items = 1003, tolerance = 0.5, work = { 2, 3 }, key = { n = 7, "
+    "bins = 64, "
     "kind = 'b' }, args = { a = 3, x = { 'float', 1003, access = 'slice', halo = 2 }, y = { "
     "'float', 1003, access = 'in out slice' }, signs = { 'uint', 16, access = 'sum' } } }";
 
@@ -188,6 +189,7 @@ TEST(a_def_means_what_a_file_does)
     def.args = list;
     def.tolerance = 0.5;
     def.work = 2;
+    def.high = 3;
     def.key = key;
     def.n_key = 3;
     test_write_file("scale.task.lua", file);
@@ -198,7 +200,7 @@ TEST(a_def_means_what_a_file_does)
     assert_string_equal(of_file, of_def);
     assert_int_equal(b->size, 7);
     assert_true(a->size == b->size && a->items == b->items && a->work == b->work &&
-                a->tolerance == b->tolerance && a->n_args == b->n_args);
+                a->wide == b->wide && a->tolerance == b->tolerance && a->n_args == b->n_args);
     for (uint32_t i = 0; i < a->n_args; ++i) {
         const task_arg *f = &a->args[i], *d = &b->args[i];
         assert_string_equal(f->name, d->name);

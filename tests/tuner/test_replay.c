@@ -59,14 +59,14 @@ static void record_invented(store *s)
         if (i == LEFT_OUT)
             continue;
         profile_sample samples[4];
-        profile_trial trial = test_trial(INVENTED, i / (double)POINTS, samples, 4);
+        profile_trial row = test_trial(INVENTED, i / (double)POINTS, samples, 4);
         for (int k = 1; k < 4; ++k) {
             double longer = 1 + SPREAD * (k - 1);
             samples[k].total_ns = llround((double)samples[0].total_ns * longer);
             samples[k].a_ns = llround((double)samples[0].a_ns * longer);
             samples[k].b_ns = llround((double)samples[0].b_ns * longer);
         }
-        must(profile_trial_add(s, id, &trial, NULL, &number, ERR));
+        must(profile_trial_add(s, id, &row, NULL, &number, ERR));
     }
 }
 
@@ -84,11 +84,26 @@ static profile_surface *open_surface(store *s, uint64_t n, replay *r)
     return surfaces;
 }
 
+// Each better than the one before, until no plan is better than what was chosen.
+static void check_gains(const replay_outcome *o)
+{
+    assert_true(o->n_gains > 0 && o->n_gains < REPLAY_GAINS);
+    for (uint32_t i = 1; i < o->n_gains; ++i)
+        assert_true(o->gains[i].median_ns < o->gains[i - 1].median_ns &&
+                    o->gains[i].seconds > o->gains[i - 1].seconds);
+    assert_true(o->gains[0].seconds > 0);
+    assert_true(o->gains[o->n_gains - 1].seconds <= o->seconds);
+    assert_true(o->gains[o->n_gains - 1].median_ns <= o->median_ns);
+}
+
 static replay_outcome run(replay *r, const char *name, uint64_t seed)
 {
     replay_outcome outcome;
-    replay_def def = {.strategy = name, .seed = seed};
-    must(replay_run(r, &def, &outcome, ERR));
+    duet_tune_def def = duet_default_tune_def();
+    def.strategy = name;
+    def.seed = seed;
+    must(replay_run(r, &def, NULL, &outcome, ERR));
+    check_gains(&outcome);
     return outcome;
 }
 
@@ -180,16 +195,16 @@ static double joint_ns(double share, int a, int b)
 static void record_plan(store *s, const char *session, double share, int a, int b)
 {
     profile_sample samples[3];
-    profile_trial trial = test_trial(INVENTED, share, samples, 3);
+    profile_trial row = test_trial(INVENTED, share, samples, 3);
     int64_t number;
     for (int k = 0; k < 3; ++k) {
         samples[k].total_ns = llround(joint_ns(share, a, b));
         samples[k].a_ns = llround(joint_ns(share, a, b) * (share > 0));
         samples[k].b_ns = llround(joint_ns(share, a, b) * (share < 1));
     }
-    strcpy(trial.plan.variant_a, kernels[a].variant);
-    strcpy(trial.plan.variant_b, kernels[b].variant);
-    must(profile_trial_add(s, session, &trial, NULL, &number, ERR));
+    strcpy(row.plan.variant_a, kernels[a].variant);
+    strcpy(row.plan.variant_b, kernels[b].variant);
+    must(profile_trial_add(s, session, &row, NULL, &number, ERR));
 }
 
 // Keeps what brute force would have: every config of both devices at each share of a grid.
@@ -276,14 +291,14 @@ TEST(a_strategy_for_a_share_alone_needs_another_surface)
     store *s = test_store_open(own.store, STORE_WRITE);
     record_joint(s);
     profile_surface *surface = open_joint(s, &r);
-    must_fail(replay_run(&r, &(replay_def){.strategy = "balance"}, &o, ERR),
+    must_fail(replay_run(&r, &(duet_tune_def){.strategy = "balance"}, NULL, &o, ERR),
               DUET_STATUS_BAD_ARGUMENT,
               "'balance' chooses a share alone; expected one for kernels");
     replay_close(&r);
     free(surface);
     store_close(s);
     surface = open_surface(recorded, 20000, &r);
-    must_fail(replay_run(&r, &(replay_def){.strategy = "random"}, &o, ERR),
+    must_fail(replay_run(&r, &(duet_tune_def){.strategy = "random"}, NULL, &o, ERR),
               DUET_STATUS_BAD_ARGUMENT, "'random' chooses kernels and share; expected one for a");
     replay_close(&r);
     free(surface);

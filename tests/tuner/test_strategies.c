@@ -255,7 +255,6 @@ TEST(balance_keeps_one_device_where_sharing_only_costs)
 TEST(a_neighbours_share_is_the_first_probe)
 {
     search_options options = search_default_options();
-    options.has_start = true;
     options.start = SEARCH_ONE / 11;
     simulated_pair model = {.ratio = 10};
     search s;

@@ -126,10 +126,12 @@ static tune_problem fake_task(fake *f, const duet_tune_def *def)
 {
     return (tune_problem){
         .def = def,
-        .machine = {.context = f, .launch = launch_fake, .hash = RIGHT},
+        .machine = {.context = f,
+                    .launch = launch_fake,
+                    .hash = RIGHT,
+                    .look_at_others = look_fake},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8,
-        .others = {f, look_fake},
     };
 }
 
@@ -835,7 +837,7 @@ TEST(launches_that_no_other_program_disturbs_count_in_the_end)
     duet_tune_def def = fake_def(&f);
     def.wait_seconds = 1e6;
     tune_problem problem = fake_task(&f, &def);
-    problem.others = (tune_others){0};
+    problem.machine.look_at_others = NULL;
     duet_tune_outcome outcome = tune_problem_fake(&problem);
     assert_string_not_equal(outcome.verdict, "faster");
     assert_false(tune_gave_up(&outcome));
