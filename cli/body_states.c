@@ -2,13 +2,23 @@
 #include "cli/body_states.h"
 
 #include "base/error.h"
+#include "runtime/narrowphase/mesh.h"
 
 #include <stdlib.h>
+
+static bool carry_mesh(body_states *b, duet_error *err)
+{
+    const duet_mesh *mesh = b->def.mesh;
+    if (!mesh || mesh->carrier == 0)
+        return true;
+    b->def.mesh = &b->carried;
+    return mesh_carry(&b->carried, mesh, &b->states[mesh->carrier - 1], err);
+}
 
 bool body_states_read(body_states *b, duet_motion *motion, duet_error *err)
 {
     uint32_t n = duet_motion_get_count(motion);
-    *b = (body_states){.n = n};
+    *b = (body_states){.n = n, .def = *duet_motion_get_def(motion)};
     b->states = calloc((size_t)n + 1, sizeof *b->states);
     b->boxes = calloc((size_t)n + 1, sizeof *b->boxes);
     b->ids = calloc((size_t)n + 1, sizeof *b->ids);
@@ -16,7 +26,7 @@ bool body_states_read(body_states *b, duet_motion *motion, duet_error *err)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", n);
     return duet_motion_get_states(motion, b->states, err) &&
            duet_motion_get_rounded_boxes(motion, b->boxes, err) &&
-           duet_motion_get_ids(motion, 0, n, b->ids, err);
+           duet_motion_get_ids(motion, 0, n, b->ids, err) && carry_mesh(b, err);
 }
 
 void body_states_free(body_states *b)
@@ -24,6 +34,7 @@ void body_states_free(body_states *b)
     free(b->states);
     free(b->boxes);
     free(b->ids);
+    free((void *)b->carried.vertices);
     *b = (body_states){0};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A motion's bodies at a time, by place, as pictures and frames show them.
+// A motion's bodies at a time, by place, and its ground, as pictures and frames show them.
 #ifndef CLI_BODY_STATES_H
 #define CLI_BODY_STATES_H
 
@@ -13,6 +13,8 @@ typedef struct body_states {
     duet_state *states;      // [n]
     duet_rounded_box *boxes; // [n] for their sizes
     uint64_t *ids;           // [n] DUET_NO_BODY: nothing is there
+    duet_motion_def def;     // whose mesh is where it is
+    duet_mesh carried;       // that mesh, if a body carries it
 } body_states;
 
 // Call body_states_free whatever this returns.

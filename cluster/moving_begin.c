@@ -16,6 +16,11 @@ enum { CHUNK = 1 << 18 };
 static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
 {
     const uint32_t contact = DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE;
+    if (motion->def.mesh && motion->def.mesh->carrier > 0)
+        return error_set(own, DUET_STATUS_BAD_ARGUMENT,
+                         "%s: a mesh that a body carries is not for several domains yet; expected "
+                         "one without a carrier",
+                         scene);
     return (motion->effects & contact) != DUET_EFFECT_CONTACT ||
            error_set(own, DUET_STATUS_BAD_ARGUMENT,
                      "%s: contact without response is not for several domains yet; expected "

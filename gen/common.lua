@@ -54,6 +54,7 @@ common = {
   DRAG = { "DRAG", values = { 0, 1 }, default = 0, about = "1: velocities decay" },
   FORCES = { "FORCES", values = { 0, 1 }, default = 0, about = "1: commands push" },
   GROUND = { "GROUND", values = { 0, 1, 2 }, default = 0, silent = true, about = "1: a ground of heights; 2: of a mesh" },
+  CARRIED = { "CARRIED", values = { 0, 1 }, default = 0, silent = true, about = "1: a body carries the ground" },
   SENSORS = { "SENSORS", values = { 0, 1 }, default = 0, about = "1: some bodies are sensors" },
   GYRO = { "GYRO", values = { 0, 1 }, default = 0, about = "1: some have no isotropic inertia" },
   ALL_ROTATED = { "ROTATED", values = { 1 }, default = 1, about = "every box has its rotation" },

@@ -618,7 +618,7 @@ api.names = {
     "def?: table" },
     "duet.Motion", "Objects that move: of a scene, with def second, or poses with bodies. A def { plan, dims, wants, doubles, origin, origin_edge, gravity, attraction, centre, drag, " ..
     "boundary, lower, upper, heights, mesh, dt, substeps, integrator, skin, slop, max_push_speed, restitution_threshold, sleep_speed, sleep_after, hit_speed, event_mask, materials, material_pairs, stage_times, script }; " ..
-    "heights is a ground, { nx, ny, spacing, origin, values, material }, or mesh, { file, scale } or { vertices, triangles }, with origin and material " ..
+    "heights is a ground, { nx, ny, spacing, origin, values, material }, or mesh, { file, scale } or { vertices, triangles }, with origin, material and carrier " ..
     "(docs/effects.md); " ..
     "wants is a list of effects, boundary none, walls or periodic, integrator euler, verlet or yoshida. Before each step script(step, motion) is called, " ..
     "with the number of the step that comes.",

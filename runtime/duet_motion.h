@@ -133,6 +133,8 @@ typedef struct duet_mesh {
     const float *vertices;     // [n_vertices][3] of which some may lie at one place
     const uint32_t *triangles; // [n_triangles][3] numbers of vertices, from 0 on
     uint32_t material;         // 1 .. n_materials of the def; 0: contacts have what the body has
+    uint32_t carrier; // 1 + the id of a body without mass and radius that carries the mesh: the
+                      // origin is seen from its centre, along its axes; 0: the mesh never moves
 } duet_mesh;
 
 // A mesh has at most so many triangles, and three times as many vertices.

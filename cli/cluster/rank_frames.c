@@ -27,8 +27,8 @@ bool rank_frames_begin(rank_frames *f, const char *folder, duet_cluster *cluster
     if (!folder)
         return true;
     solids_make(f->solids, def_of(f)->dims);
-    bool ok = !is_first(f) ||
-              (frame_folder_make(folder, err) && vtk_ground_write(folder, def_of(f), 0.0, err));
+    bool ok = !is_first(f) || (frame_folder_make(folder, err) &&
+                               vtk_ground_write_once(folder, def_of(f), 0.0, err));
     return ranks_agree(&cluster->ranks, ok, err);
 }
 

@@ -78,7 +78,7 @@ static bool find_part(const snapshot *s, const body_states *c, extent *part, due
         if (k < 2)
             upper[k] = fmax(upper[k], d->upper[k]);
     }
-    relief_widen(d, part);
+    relief_widen(&c->def, part);
     return true;
 }
 
@@ -320,7 +320,7 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
     draw_floor(&v, c, s->def);
     relief hills;
     bool ok =
-        relief_begin(&hills, s->def, &v, err) &&
+        relief_begin(&hills, &bodies->def, &v, err) &&
         (blocks || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path));
     if (ok)
         draw_blocks(s, &hills, c, blocks, bodies);

@@ -13,6 +13,7 @@ void vtk_frames_begin(vtk_frames *f, const char *folder, duet_motion *motion)
     f->motion = motion;
     f->bodies = (vtk_series){.folder = folder, .name = "bodies", .ending = "vtu"};
     f->contacts = (vtk_series){.folder = folder, .name = "contacts", .ending = "vtp"};
+    f->ground = (vtk_series){.folder = folder, .name = "ground", .ending = "vtp"};
     solids_make(f->solids, duet_motion_get_def(motion)->dims);
 }
 
@@ -40,17 +41,21 @@ static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, 
            vtk_series_add(&f->contacts, time, err);
 }
 
-// Once: no ground moves.
-static bool add_ground(const vtk_frames *f, double time, duet_error *err)
+// Once if it never moves.
+static bool add_ground(vtk_frames *f, const body_states *bodies, double time, duet_error *err)
 {
-    return f->bodies.n > 0 ||
-           vtk_ground_write(f->bodies.folder, duet_motion_get_def(f->motion), time, err);
+    const duet_mesh *mesh = duet_motion_get_def(f->motion)->mesh;
+    if (!mesh || mesh->carrier == 0)
+        return f->bodies.n > 0 || vtk_ground_write_once(f->bodies.folder, &bodies->def, time, err);
+    const char *path = vtk_series_next(&f->ground, err);
+    return path && vtk_ground_write(path, &bodies->def, time, err) &&
+           vtk_series_add(&f->ground, time, err);
 }
 
 bool vtk_frames_add(vtk_frames *f, double time, duet_error *err)
 {
     body_states bodies;
-    bool ok = body_states_read(&bodies, f->motion, err) && add_ground(f, time, err) &&
+    bool ok = body_states_read(&bodies, f->motion, err) && add_ground(f, &bodies, time, err) &&
               add_bodies(f, &bodies, time, err) && add_contacts(f, &bodies, time, err);
     body_states_free(&bodies);
     return ok;
@@ -60,4 +65,5 @@ void vtk_frames_end(vtk_frames *f)
 {
     vtk_series_free(&f->bodies);
     vtk_series_free(&f->contacts);
+    vtk_series_free(&f->ground);
 }

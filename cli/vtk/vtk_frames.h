@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Frames of a motion for ParaView: bodies.pvd, contacts.pvd if bodies can touch, and ground.vtp if
-// there is a ground.
+// there is a ground, or ground.pvd if a body carries it.
 #ifndef CLI_VTK_FRAMES_H
 #define CLI_VTK_FRAMES_H
 
@@ -11,6 +11,7 @@ typedef struct vtk_frames {
     duet_motion *motion; // the caller's
     vtk_series bodies;
     vtk_series contacts;
+    vtk_series ground; // that is carried
     solid solids[SOLID_KINDS];
 } vtk_frames;
 

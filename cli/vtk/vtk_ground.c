@@ -97,15 +97,20 @@ static bool write_mesh(const char *path, const duet_mesh *m, double time, duet_e
 
 // ---------------------------------------------------------------- both
 
-bool vtk_ground_write(const char *folder, const duet_motion_def *def, double time, duet_error *err)
+bool vtk_ground_write(const char *path, const duet_motion_def *def, double time, duet_error *err)
+{
+    return def->mesh ? write_mesh(path, def->mesh, time, err)
+                     : write_heights(path, def->heights, time, err);
+}
+
+bool vtk_ground_write_once(const char *folder, const duet_motion_def *def, double time,
+                           duet_error *err)
 {
     text path = {0};
     if (!def->heights && !def->mesh)
         return true;
     text_add(&path, "%s/ground.vtp", folder);
-    bool ok = text_ok(&path, err) &&
-              (def->mesh ? write_mesh(text_chars(&path), def->mesh, time, err)
-                         : write_heights(text_chars(&path), def->heights, time, err));
+    bool ok = text_ok(&path, err) && vtk_ground_write(text_chars(&path), def, time, err);
     text_free(&path);
     return ok;
 }

@@ -6,7 +6,11 @@
 
 #include "runtime/duet.h"
 
+// Writes the ground of a def that has one.
+bool vtk_ground_write(const char *path, const duet_motion_def *def, double time, duet_error *err);
+
 // Writes ground.vtp into a folder. A def without a ground has no file.
-bool vtk_ground_write(const char *folder, const duet_motion_def *def, double time, duet_error *err);
+bool vtk_ground_write_once(const char *folder, const duet_motion_def *def, double time,
+                           duet_error *err);
 
 #endif

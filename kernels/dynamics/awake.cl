@@ -54,6 +54,9 @@ __kernel void spread_awake(SPREAD_AWAKE_ARGS)
         return;
     for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i) {
         uint2 link = links[i];
+//@ if CARRIED == 1 then
+        link.y = link.y >= n + AT_GROUND ? carrier : link.y;
+//@ end
         if (!is_contact_listed(link, levels, n))
             continue;
         ++contacts;
@@ -84,9 +87,14 @@ __kernel void list_awake(LIST_AWAKE_ARGS)
     for (uint id = first; id < min(first + PER_ITEM, n); ++id)
         if (levels[id] > 0)
             awake[body++] = id;
-    for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i)
-        if (is_contact_listed(links[i], levels, n))
+    for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i) {
+        uint2 link = links[i];
+//@ if CARRIED == 1 then
+        link.y = link.y >= n + AT_GROUND ? carrier : link.y;
+//@ end
+        if (is_contact_listed(link, levels, n))
             awake_contacts[contact++] = i;
+    }
     if (part == n_parts - 1) {
         n_listed[LISTED_BODIES] = body;
         n_listed[LISTED_CONTACTS] = contact;

@@ -3,7 +3,7 @@ return {
   about = "lists of the bodies and contacts that a step may change",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/rest.clh" },
   params = {
-    common.DIMS, common.DOUBLE, common.TURN, common.GROUP(64),
+    common.DIMS, common.DOUBLE, common.TURN, common.CARRIED, common.GROUP(64),
     { "PER_ITEM", values = { 8, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 8 end,
       about = "bodies and contacts a work-item" },
   },
@@ -22,6 +22,7 @@ return {
       const uint2 *links
       uint n_contacts
       uint n
+      uint carrier                     if CARRIED == 1
       const real4 *velocities
       uint n_parts
       volatile uint *levels
@@ -36,6 +37,7 @@ return {
     list_awake = [[
       const uint *levels
       uint n
+      uint carrier                     if CARRIED == 1
       const uint2 *links
       uint n_contacts
       uint n_parts

@@ -16,7 +16,7 @@ return {
       about = "pairs side by side in a work-item, of turned boxes in float" },
     common.ROUNDED,
     { "SENSORS", values = { 0, 1 }, default = 0, silent = true, about = "1: some bodies are sensors" },
-    common.GROUND,
+    common.GROUND, common.CARRIED,
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 4, 8, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 4 end,
       about = "objects, pairs or contacts a work-item" },
@@ -38,6 +38,7 @@ return {
       int4 ground_size        if GROUND == 1
       const uint *mesh_triangles  if GROUND == 2
       const uint *mesh_nodes  if GROUND == 2
+      uint carrier            if CARRIED == 1
       const float4 *bodies    if CONTACT_RESPONSE == 1
       const uint *asleep      if SLEEP == 1
       uint woken              if SLEEP == 1
@@ -59,6 +60,7 @@ return {
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     if p.GROUND > 0 and (p.DIMS == 2 or p.ORIGIN > 0) then return false, "a ground is in 3D, without origin cells" end
+    if p.CARRIED == 1 and (p.GROUND ~= 2 or p.ANGULAR_VELOCITY == 0) then return false, "a mesh is carried by what turns" end
     if p.ANGULAR_VELOCITY == 1 and p.ROTATED == 0 then return false, "what turns is rotated" end
     if p.FRICTION == 1 and p.CONTACT_RESPONSE == 0 then return false, "FRICTION without CONTACT_RESPONSE" end
     if p.CONTINUOUS == 1 and p.CONTACT_RESPONSE == 0 then return false, "CONTINUOUS without CONTACT_RESPONSE" end

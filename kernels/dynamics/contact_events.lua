@@ -4,6 +4,7 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.ORIGIN, common.TURN, common.MAY_RESPOND, common.FRICTION,
+    common.CARRIED,
     { "HITS", values = { 0, 1 }, default = 0, about = "1: reports impacts above a speed" },
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 16 }, default = function(limits) return limits.cpu and 16 or 1 end,
@@ -17,6 +18,7 @@ return {
       uint *touching
       const uint2 *links                if HITS == 1
       uint n                            if HITS == 1
+      uint carrier                      if HITS * CARRIED == 1
       const real4 *centres              if HITS == 1
       const int4 *cells                 if HITS * ORIGIN > 0
       const real4 *velocities           if HITS == 1

@@ -100,7 +100,26 @@ static inline bool meets_ground(__global const float *box, real4 origin, __globa
 }
 #define GROUND_SHAPE ground_values, ground_spacing, ground_size
 //@ end
-//@ if GROUND == 2 then
+//@ if CARRIED == 1 then
+
+// Likewise of a mesh that a body carries, wherever it goes in a step.
+static inline bool meets_ground(__global const float *box, real4 origin, __global const uint *nodes, real4 centre,
+                                real4 rotation, real4 velocity, real4 angular_velocity, real dt, real margin)
+{
+    real4 lower = (real4)(box[0], box[1], box[2], 0) - centre, upper = (real4)(box[3], box[4], box[5], 0) - centre;
+    real4 middle = (real)0.5 * (lower + upper), half_size = (real)0.5 * (upper - lower);
+    real4 way = velocity + cross_product(angular_velocity, middle), turn = conjugate(rotation);
+    real most = root(dot_product(half_size, half_size)) * root(dot_product(angular_velocity, angular_velocity));
+    real reach = dt * (root(dot_product(way, way)) + most) + margin;
+    real4 seen = rotated(turn, (real4)(middle.xyz, 0)) - origin;
+    half_size = box_reach(turn, (real4)(half_size.xyz, 0)) * (real)(1 + 0x1p-10) + reach;
+    uint at = 0;
+    return next_leaf(nodes, &at, seen - half_size, seen + half_size) != MESH_NONE;
+}
+#define GROUND_SHAPE                                                                             \
+    mesh_nodes, centres[carrier], rotations[carrier], (real4)(velocities[carrier].xyz, 0),       \
+        (real4)(angular_velocities[carrier].xyz, 0), (real)dt
+//@ elseif GROUND == 2 then
 
 // Whether a triangle's bounds come so near to a body's that it could touch the triangle.
 static inline bool meets_ground(__global const float *box, real4 origin, __global const uint *nodes, real margin)

@@ -9,7 +9,7 @@ return {
     common.MAY_RESPOND,
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
     common.SENSORS,
-    common.GROUND,
+    common.GROUND, common.CARRIED,
     common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
@@ -43,6 +43,11 @@ return {
       real4 ground_spacing    if GROUND == 1
       int4 ground_size        if GROUND == 1
       const uint *mesh_nodes  if GROUND == 2
+      const real4 *centres    if CARRIED == 1
+      const real4 *rotations  if CARRIED == 1
+      const real4 *angular_velocities  if CARRIED == 1
+      uint carrier            if CARRIED == 1
+      float dt                if CARRIED == 1
       real contact_margin     if GROUND > 0
       uint n
       uint fill
@@ -67,5 +72,8 @@ return {
       uint *returns
     ]],
   },
-  valid = common.can_double,
+  valid = function(p, limits)
+    if p.CARRIED == 1 and p.GROUND ~= 2 then return false, "a mesh is carried" end
+    return common.can_double(p, limits)
+  end,
 }

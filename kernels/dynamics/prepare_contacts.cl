@@ -82,7 +82,11 @@ static inline void fill_lane(__global float *lane, const source *from, uint i, b
     uint2 link = from->links[i];
     uint partner = link.y < from->n ? link.y : link.x; // a wall has the properties of what touches it
     lane[IN_OWNER * BLOCK] = as_float(empty ? from->n : link.x);
+//@ if CARRIED == 1 then
+    lane[IN_OTHER * BLOCK] = as_float(empty ? from->n : link.y >= from->n + AT_GROUND ? from->carrier : link.y);
+//@ else
     lane[IN_OTHER * BLOCK] = as_float(empty ? from->n : link.y);
+//@ end
     lane[IN_POINTS * BLOCK] = as_float(empty ? 0u : from->touches[i] & TOUCH_POINTS);
 #if MATERIALS
     fill_materials(lane, from, link.x, partner);

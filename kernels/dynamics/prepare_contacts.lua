@@ -13,6 +13,7 @@ return {
     common.CONVEYS,
     { "MATERIALS", values = { 0, 1 }, default = 0, silent = true, about = "1: bodies name materials" },
     { "GROUND_MATERIAL", values = { 0, 1 }, default = 0, silent = true, about = "1: the ground has a material" },
+    common.CARRIED,
     common.ROLLING,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts side by side in a work-item" },
@@ -38,6 +39,7 @@ return {
       const float4 *surface_velocities  if CONVEYS == 1
       const real4 *rotations  if CONVEYS == 1
       uint n
+      uint carrier            if CARRIED == 1
       const uint *list
       const uint4 *spans
       int4 span

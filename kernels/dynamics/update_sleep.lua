@@ -14,6 +14,7 @@ local of_rest = [[
   const real4 *velocities
   const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
   const float *sensors             if SENSORS == 1
+  uint carrier                     if CARRIED == 1
 ]]
 
 return {
@@ -23,7 +24,7 @@ return {
   params = {
     common.DIMS, common.DOUBLE, common.ORIGIN, common.TURN, common.FRICTION, common.CONTACT_RESPONSE,
     { "SLEEP", values = { 1 }, default = 1, about = "bodies at rest are left out" },
-    common.SENSORS, common.GROUP(64), common.ROWS_AN_ITEM,
+    common.SENSORS, common.CARRIED, common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
     update_sleep = of_rest .. [[

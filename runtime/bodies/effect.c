@@ -29,7 +29,9 @@ static const effect_row rows[] = {
     {DUET_EFFECT_BOUNDARY, "boundary", DUET_EFFECT_MOTION, "walls or a periodic world, and motion",
      "wall", "integrate_free_flight, contact_graph, build_manifolds"},
     {DUET_EFFECT_ANGULAR_VELOCITY, "angular_velocity", DUET_EFFECT_ROTATION | DUET_EFFECT_MOTION,
-     "an angular velocity, or contact_response for an object that may turn", "angular_velocity",
+     "an angular velocity, contact_response for an object that may turn, or contact with a mesh "
+     "that is carried",
+     "angular_velocity",
      "integrate_free_flight, fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, "
      "graph_colour, prepare_contacts, bodies, solve_contacts, solve_few, integrate_positions, "
      "contact_events"},
@@ -56,7 +58,9 @@ static const effect_row rows[] = {
     {DUET_EFFECT_DEPENETRATION, "depenetration", DUET_EFFECT_CONTACT_RESPONSE, "wants", NULL,
      "none: the host moves bodies once"},
     {DUET_EFFECT_CONTINUOUS, "continuous", DUET_EFFECT_CONTACT_RESPONSE,
-     "something that moves, or whose corners swing, more than half its least half extent in a step",
+     "something that moves, or whose corners swing, more than half its least half extent in a "
+     "step, "
+     "or a mesh that is carried",
      "swept", "fat_aabbs, build_manifolds, bodies, integrate_positions, solve_contacts, solve_few"},
     {DUET_EFFECT_FILTER, "filter", DUET_EFFECT_CONTACT, "a group or mask that is not all", "filter",
      "contact_graph"},
@@ -162,7 +166,7 @@ static effect_facts facts_of_def(const duet_motion_def *def)
     return (pulls ? FACT_PULLED : 0) | (def->drag > 0.0 ? FACT_DRAGGED : 0) |
            (def->boundary != DUET_BOUNDARY_NONE ? FACT_BOUNDED : 0) |
            (def->hit_speed > 0.0 ? FACT_HITS : 0) | (ground_def_is_given(def) ? FACT_GROUND : 0) |
-           (def->skin > 0.0 ? FACT_SKIN : 0);
+           (ground_def_carrier(def) > 0 ? FACT_CARRIED : 0) | (def->skin > 0.0 ? FACT_SKIN : 0);
 }
 
 // An effect is called for by all of these facts, together with effects that are called for already.
@@ -183,6 +187,7 @@ static const struct {
     {DUET_EFFECT_BOUNDARY, DUET_EFFECT_MOTION, FACT_BOUNDED},
     {DUET_EFFECT_ANGULAR_VELOCITY, 0, FACT_TURNING},
     {DUET_EFFECT_ANGULAR_VELOCITY, DUET_EFFECT_CONTACT_RESPONSE, FACT_TURNABLE},
+    {DUET_EFFECT_ANGULAR_VELOCITY, DUET_EFFECT_CONTACT, FACT_CARRIED},
     {DUET_EFFECT_ROTATION, DUET_EFFECT_MOTION, FACT_ROTATED},
     {DUET_EFFECT_ROTATION, DUET_EFFECT_CONTACT, FACT_ROTATED},
     {DUET_EFFECT_RADIUS, DUET_EFFECT_CONTACT, FACT_ROUND},
@@ -192,6 +197,7 @@ static const struct {
     {DUET_EFFECT_SURFACE_VELOCITY, DUET_EFFECT_FRICTION, FACT_CONVEYS},
     {DUET_EFFECT_MATERIALS, DUET_EFFECT_CONTACT_RESPONSE, FACT_MATERIAL},
     {DUET_EFFECT_CONTINUOUS, DUET_EFFECT_CONTACT_RESPONSE, FACT_FAST},
+    {DUET_EFFECT_CONTINUOUS, DUET_EFFECT_CONTACT_RESPONSE, FACT_CARRIED},
     {DUET_EFFECT_FILTER, DUET_EFFECT_CONTACT, FACT_FILTERED},
     {DUET_EFFECT_GROUND, DUET_EFFECT_CONTACT, FACT_GROUND},
     {DUET_EFFECT_SKIN, DUET_EFFECT_CONTACT, FACT_SKIN},

@@ -30,6 +30,7 @@ typedef enum effect_fact {
     FACT_HITS = 1 << 18,    // a hit_speed
     FACT_GROUND = 1 << 19,  // heights or a mesh
     FACT_SKIN = 1 << 20,    // a skin
+    FACT_CARRIED = 1 << 21, // a mesh that a body carries
 } effect_fact;
 
 typedef uint32_t effect_facts;

@@ -22,3 +22,18 @@ bool ground_def_check(const duet_motion_def *def, duet_error *err)
                          material, def->n_materials);
     return def->mesh ? mesh_check(def->mesh, err) : heights_check(def->heights, err);
 }
+
+bool ground_def_check_carrier(const duet_motion_def *def, const duet_body *bodies, uint32_t n,
+                              duet_error *err)
+{
+    uint32_t carrier = ground_def_carrier(def);
+    if (carrier > n)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "the mesh's carrier is body %u; expected one of %u bodies", carrier - 1,
+                         n);
+    const duet_body *b = carrier > 0 ? &bodies[carrier - 1] : NULL;
+    return !b || (b->mass == 0.0f && b->radius == 0.0f) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "body %u, the mesh's carrier, has the mass %g and the radius %g; expected 0",
+                     carrier - 1, (double)b->mass, (double)b->radius);
+}

@@ -16,7 +16,15 @@ static inline uint32_t ground_def_material(const duet_motion_def *def)
     return def->mesh ? def->mesh->material : def->heights ? def->heights->material : 0;
 }
 
-// BAD_ARGUMENT for a ground that no motion can have.
+// 1 + the id of the body that carries it; 0: it never moves.
+static inline uint32_t ground_def_carrier(const duet_motion_def *def)
+{
+    return def->mesh ? def->mesh->carrier : 0;
+}
+
+// BAD_ARGUMENT for a ground that no motion can have, and for one that no such bodies can carry.
 bool ground_def_check(const duet_motion_def *def, duet_error *err);
+bool ground_def_check_carrier(const duet_motion_def *def, const duet_body *bodies, uint32_t n,
+                              duet_error *err);
 
 #endif

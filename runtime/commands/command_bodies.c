@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bodies that come and go.
 #include "base/error.h"
+#include "runtime/bodies/ground_def.h"
 #include "runtime/commands/command.h"
 #include "runtime/dynamics/motion_rows.h"
 
@@ -156,10 +157,22 @@ static bool check_twice(const duet_motion *m, const command *c, duet_error *err)
     return ok;
 }
 
+static bool check_carrier(const duet_motion *m, const command *c, duet_error *err)
+{
+    uint32_t carrier = ground_def_carrier(&m->def);
+    for (uint32_t i = 0; i < c->list.n; ++i)
+        if (c->places[i] + 1 == carrier)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                             "%s: body %u of %u carries the mesh; expected others", c->op->call, i,
+                             c->list.n);
+    return true;
+}
+
 bool command_remove_bodies(duet_motion *m, command *c, duet_error *err)
 {
     const uint32_t n = c->list.n;
-    if (!check_twice(m, c, err) || !motion_forget_targets(m, c->places, n, err))
+    if (!check_twice(m, c, err) || !check_carrier(m, c, err) ||
+        !motion_forget_targets(m, c->places, n, err))
         return false;
     for (uint32_t i = 0; i < n; ++i)
         leave(m, c->places[i]);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/output.h"
 #include "base/text_file.h"
+#include "runtime/bodies/ground_def.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -268,7 +269,8 @@ static void take_counts(duet_motion *copy, const saved_head *h)
     copy->graph.n_pairs = (cl_uint)h->n_pairs;
     copy->products = products_of_saved(h->has_graph);
     altered_forget(&copy->altered);
-    if (h->rows_stale || h->effects != copy->effects) // bounds with a skin reach further
+    // Bounds with a skin reach further; and rows of a ground that moves are made again, of pairs.
+    if (h->rows_stale || h->effects != copy->effects || ground_def_carrier(&copy->def) > 0)
         motion_alter_all(copy);
     motion_forget_events(&copy->told);
     copy->told.touching.n = 0;

@@ -3,6 +3,7 @@
 // vertices and triangles.
 #include "runtime/commands/saved_motion.h"
 
+#include "base/error.h"
 #include "runtime/bodies/ground_def.h"
 #include "runtime/narrowphase/heights.h"
 #include "runtime/narrowphase/mesh.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 
 typedef struct saved_ground {
-    double origin[3], spacing[2]; // a mesh's spacing is 0
+    double origin[3], spacing[2]; // a mesh has its carrier for the one, and 0
 } saved_ground;
 
 static_assert(sizeof(saved_ground) == 40, "no byte of a file is left to chance");
@@ -60,7 +61,7 @@ static void add_begin(text *file, const double origin[3], const double spacing[2
 
 static void add_mesh(const duet_mesh *mesh, text *file)
 {
-    add_begin(file, mesh->origin, (const double[2]){0.0, 0.0});
+    add_begin(file, mesh->origin, (const double[2]){mesh->carrier, 0.0});
     text_add_bytes(file, (const char *)mesh->vertices, mesh_vertex_bytes(mesh));
     text_add_bytes(file, (const char *)mesh->triangles, mesh_triangle_bytes(mesh));
 }
@@ -102,20 +103,35 @@ static void see_mesh(saved_ground_seen *seen, const saved_head *h, const saved_g
     memcpy(mesh->origin, s->origin, sizeof s->origin);
 }
 
-void saved_ground_see(duet_motion *copy, saved_ground_seen *seen, const saved_head *h,
-                      const char *bytes)
+// A mesh goes on with the body that carried it.
+static bool check_carrier(const duet_motion *copy, const saved_head *h, const saved_ground *s,
+                          const char *path, duet_error *err)
+{
+    const double carrier = ground_def_carrier(&copy->def);
+    return !h->has_mesh || s->spacing[0] == carrier ||
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: carrier of the mesh: %.10g in the file, %.10g in the motion", path,
+                     s->spacing[0], carrier);
+}
+
+bool saved_ground_see(duet_motion *copy, saved_ground_seen *seen, const saved_head *h,
+                      const char *bytes, const char *path, duet_error *err)
 {
     saved_ground s;
     if (h->ground[0] == 0)
-        return;
+        return true;
     memcpy(&s, bytes, sizeof s);
+    if (!check_carrier(copy, h, &s, path, err))
+        return false;
     if (h->has_mesh)
         see_mesh(seen, h, &s, bytes + sizeof s);
     else
         see_heights(seen, h, &s, bytes + sizeof s);
     seen->mesh.material = seen->heights.material = ground_def_material(&copy->def);
+    seen->mesh.carrier = ground_def_carrier(&copy->def);
     copy->def.heights = h->has_mesh ? NULL : &seen->heights;
     copy->def.mesh = h->has_mesh ? &seen->mesh : NULL;
+    return true;
 }
 
 bool saved_ground_take(duet_motion *copy, const saved_head *h, duet_error *err)

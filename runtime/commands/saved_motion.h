@@ -52,9 +52,10 @@ typedef struct saved_ground_seen {
 } saved_ground_seen;
 
 // Lets a copy's def have the ground at `bytes`, which were checked in length alone; take then
-// copies it, once the def was checked. Its material is the motion's.
-void saved_ground_see(duet_motion *copy, saved_ground_seen *seen, const saved_head *h,
-                      const char *bytes);
+// copies it, once the def was checked. Its material and carrier are the motion's; BAD_INPUT if the
+// file has another carrier.
+bool saved_ground_see(duet_motion *copy, saved_ground_seen *seen, const saved_head *h,
+                      const char *bytes, const char *path, duet_error *err);
 bool saved_ground_take(duet_motion *copy, const saved_head *h, duet_error *err);
 
 // A copy of a motion with n places, and without the arrays, buffers and ground.

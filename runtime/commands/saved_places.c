@@ -221,8 +221,8 @@ bool saved_places_take(duet_motion *copy, const saved_head *h, const char *bytes
                        duet_error *err)
 {
     saved_ground_seen seen;
-    saved_ground_see(copy, &seen, h, bytes + saved_places_size(h));
-    bool ok = reserve_places(copy, err) && take_head(copy, h, path, err) &&
+    bool ok = saved_ground_see(copy, &seen, h, bytes + saved_places_size(h), path, err) &&
+              reserve_places(copy, err) && take_head(copy, h, path, err) &&
               saved_ground_take(copy, h, err) && take_places(copy, &bytes, path, err) &&
               take_targets(copy, h->n_targets, &bytes, path, err) && take_facts(copy, path, err) &&
               motion_reset(copy, err) && (!h->pushed || put_forces(copy, bytes, path, err));

@@ -2,8 +2,12 @@
 // A tree of a motion's bodies. If the motion is on the tree's devices, B writes them from its
 // state; the host gets them if A or an open hit needs them.
 #include "base/error.h"
+#include "runtime/bodies/ground_def.h"
 #include "runtime/dynamics/motion_poses.h"
+#include "runtime/narrowphase/mesh.h"
 #include "runtime/queries/tree.h"
+
+#include <stdlib.h>
 
 duet_tree_def duet_motion_tree_def(const duet_motion *motion)
 {
@@ -65,6 +69,23 @@ static bool take_filters(duet_tree *tree, const duet_motion *motion, duet_error 
     return filters;
 }
 
+// The motion's ground, where it is.
+static bool take_ground(duet_tree *tree, duet_motion *motion, duet_error *err)
+{
+    const duet_motion_def *def = &motion->def;
+    uint32_t carrier = ground_def_carrier(def);
+    duet_mesh carried;
+    duet_state state;
+    if (carrier == 0)
+        return tree_take_ground(tree, def->heights, def->mesh, err);
+    if (!motion_fetch_states(motion, &(uint32_t){carrier - 1}, 1, &state, NULL, err) ||
+        !mesh_carry(&carried, def->mesh, &state, err))
+        return false;
+    bool ok = tree_take_ground(tree, NULL, &carried, err);
+    free((void *)carried.vertices);
+    return ok;
+}
+
 bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
 {
     PUBLIC_CALL(err);
@@ -74,8 +95,7 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
     bool radii = tree->def.shape == DUET_SHAPE_ROUNDED_BOXES;
     bool on_b =
         motion->n > 0 && motion_has_poses(motion, radii) && motion->def.pair == tree->def.pair;
-    if (!tree_take_ground(tree, motion->def.heights, motion->def.mesh, err) ||
-        !tree_reserve_objects(tree, motion->n, err))
+    if (!take_ground(tree, motion, err) || !tree_reserve_objects(tree, motion->n, err))
         return false;
     if (!take_filters(tree, motion, err) ||
         !(on_b ? write_on_b(tree, motion, radii, err) : copy_to_host(tree, motion, radii, err))) {

@@ -53,6 +53,7 @@ static bool copy_mesh(motion_ground *ground, const duet_motion_def *def, duet_er
     m.vertices = copy_of(m.vertices, mesh_vertex_bytes(&m), err);
     m.triangles = copy_of(m.triangles, mesh_triangle_bytes(&m), err);
     ground->mesh = m;
+    ground->carrier = m.carrier > 0 ? m.carrier - 1 : 0;
     ground->origin = origin_of(def->doubles, m.origin);
     return m.vertices && m.triangles;
 }

@@ -22,6 +22,7 @@ typedef struct motion_ground {
     arg_real4 origin, spacing; // and one over the spacing
     cl_int4 size;
     cl_float4 surface; // friction, restitution, material
+    cl_uint carrier;   // the place of the body that carries a mesh with one
 } motion_ground;
 
 // Copies the ground of a def, which then has the copy. A def without one gets a ground that is

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/exact_sum.h"
+#include "runtime/bodies/ground_def.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
@@ -195,7 +196,8 @@ duet_motion *motion_know(const duet_motion_def *def, const duet_pose *poses,
         return NULL;
     know_objects(m);
     infer(m);
-    return keep_if(m, check_effects(m, err) && motion_choose_substeps(m, err));
+    return keep_if(m, ground_def_check_carrier(&m->def, m->bodies, n, err) &&
+                          check_effects(m, err) && motion_choose_substeps(m, err));
 }
 
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,

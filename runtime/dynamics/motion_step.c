@@ -9,6 +9,7 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "runtime/bodies/ground_def.h"
 
 #include <math.h>
 #include <string.h>
@@ -195,6 +196,8 @@ static bool respond(duet_motion *m, duet_error *err)
 static bool run_effects(duet_motion *m, duet_error *err)
 {
     set_args(m);
+    if (ground_def_carrier(&m->def) > 0) // a ground that moves comes near to others
+        product_forget(&m->products, PRODUCT_ROWS);
     return motion_recall_events(m, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT) ||
             motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err)) &&

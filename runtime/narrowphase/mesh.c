@@ -5,6 +5,8 @@
 #include "runtime/narrowphase/vector.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 // Squares of coordinates and products of short edges are numbers in float then.
 static const double farthest = 1e12, shortest = 1e-9;
@@ -139,6 +141,30 @@ void mesh_place(const duet_mesh *m, uint32_t triangle, uint32_t corner, double a
     const float *v = mesh_vertex(m, m->triangles[3 * (size_t)triangle + corner]);
     for (int k = 0; k < 3; ++k)
         at[k] = m->origin[k] + (double)v[k];
+}
+
+bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier, duet_error *err)
+{
+    const double *q = carrier->rotation;
+    float *vertices = malloc(mesh_vertex_bytes(mesh));
+    if (!vertices)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a mesh of %u vertices",
+                         mesh->n_vertices);
+    for (uint32_t i = 0; i < mesh->n_vertices; ++i) {
+        const float *v = mesh_vertex(mesh, i);
+        double at[3], once[3], twice[3];
+        for (int k = 0; k < 3; ++k)
+            at[k] = mesh->origin[k] + (double)v[k];
+        cross(once, q, at);
+        cross(twice, q, once);
+        for (int k = 0; k < 3; ++k)
+            vertices[3 * (size_t)i + k] = (float)(at[k] + 2.0 * (q[3] * once[k] + twice[k]));
+    }
+    *to = *mesh;
+    to->vertices = vertices;
+    to->carrier = 0;
+    memcpy(to->origin, carrier->centre, sizeof to->origin);
+    return true;
 }
 
 size_t mesh_vertex_bytes(const duet_mesh *mesh)

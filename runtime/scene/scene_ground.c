@@ -51,3 +51,12 @@ bool ground_read_material(lua_State *L, uint32_t *to)
     *to = is_left_out ? 0 : (uint32_t)n;
     return is_left_out || (n >= 1 && n < DUET_MATERIALS);
 }
+
+bool ground_read_carrier(lua_State *L, uint32_t *to)
+{
+    bool is_left_out = lua_getfield(L, -1, "carrier") == LUA_TNIL;
+    lua_Integer id = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : -1;
+    lua_pop(L, 1);
+    *to = is_left_out ? 0 : (uint32_t)(id + 1);
+    return is_left_out || (id >= 0 && id < UINT32_MAX);
+}

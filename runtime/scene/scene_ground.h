@@ -19,4 +19,7 @@ bool ground_read_origin(lua_State *L, double to[3]);
 // 0 if there is none.
 bool ground_read_material(lua_State *L, uint32_t *to);
 
+// 1 + the id that the field has, likewise.
+bool ground_read_carrier(lua_State *L, uint32_t *to);
+
 #endif

@@ -119,11 +119,11 @@ static bool read_lists(lua_State *L, duet_mesh *mesh, duet_error *err)
 bool mesh_read(lua_State *L, duet_mesh *mesh, const char *beside, duet_error *err)
 {
     static const char *const names[] = {"file",   "scale",    "vertices", "triangles",
-                                        "origin", "material", NULL};
+                                        "origin", "material", "carrier",  NULL};
     *mesh = (duet_mesh){0};
     if (!ground_has_only(L, names))
-        return refuse(err, "the fields are file and scale, or vertices and triangles; origin and "
-                           "material");
+        return refuse(err, "the fields are file and scale, or vertices and triangles; origin, "
+                           "material and carrier");
     bool has_lists = is_given(L, "vertices") || is_given(L, "triangles") || !is_given(L, "file");
     if (has_lists && (is_given(L, "file") || is_given(L, "scale")))
         return refuse(err, "a mesh has a file and its scale, or vertices and triangles");
@@ -131,6 +131,8 @@ bool mesh_read(lua_State *L, duet_mesh *mesh, const char *beside, duet_error *er
         return false;
     if (!ground_read_origin(L, mesh->origin))
         return refuse(err, "origin must be three numbers");
-    return ground_read_material(L, &mesh->material) ||
-           refuse(err, "material must be the number of one of the materials");
+    if (!ground_read_material(L, &mesh->material))
+        return refuse(err, "material must be the number of one of the materials");
+    return ground_read_carrier(L, &mesh->carrier) ||
+           refuse(err, "carrier must be the id of a body");
 }

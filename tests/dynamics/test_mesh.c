@@ -521,6 +521,31 @@ TEST(a_hollow_holds_what_is_in_it)
     free(s);
 }
 
+// Two plates, each a hundred times as heavy, fall on balls and press them into the floor, deeper than
+// their centres.
+TEST(what_is_pressed_into_a_mesh_stays_on_it)
+{
+    shape *s = shape_new();
+    add_grid(s, 9, 20, ground_flat);
+    mover *m = on_mesh(s);
+    for (int i = 0; i < 9; ++i) {
+        uint32_t id = mover_add(m, 0.3 * (i % 3 - 1) + 0.03, 0.3 * (i / 3 - 1), 0.05, 0, 0, 0);
+        m->bodies[id].radius = 0.05f;
+        m->bodies[id].mass = 0.01f;
+    }
+    for (int i = 0; i < 2; ++i) {
+        uint32_t id = mover_add(m, 0, 0, 0.2 + 0.21 * i, 0.6, 0.6, 0.1);
+        m->bodies[id].mass = 1;
+        m->bodies[id].velocity[2] = -3;
+    }
+    mover_run(m, 120);
+    for (uint32_t id = 0; id < m->n; ++id)
+        if (!(m->states[id].centre[2] > -0.05))
+            fail_msg("body %u is at %g %g %g", id, m->states[id].centre[0], m->states[id].centre[1],
+                     m->states[id].centre[2]);
+    free(s);
+}
+
 TEST(a_triangle_holds_on_one_side)
 {
     shape *s = shape_new();

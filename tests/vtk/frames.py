@@ -38,7 +38,7 @@ def run(program, folder, scene, steps):
     """The folder of the frames. The series name all files that there are."""
     frames, running = begin(program, folder, scene, steps)
     assert running.wait() == 0
-    named = [path for name in ("bodies", "contacts") if os.path.exists(os.path.join(frames, name + ".pvd"))
+    named = [path for name in ("bodies", "contacts", "ground") if os.path.exists(os.path.join(frames, name + ".pvd"))
              for _, path in read_series(frames, name)]
     there = [os.path.join(frames, f) for f in os.listdir(frames)
              if not f.endswith(".pvd") and f != "ground.vtp"]
@@ -346,6 +346,28 @@ def test_mesh(program, folder):
         assert near(p, (0.25 + v[0] / 2, v[1] / 2, 1 + v[2] / 2), 0), (v, p)
 
 
+CARRIED = """
+add { centre = { 1, 0, 0 }, half_extents = { 0, 0, 0 }, mass = 0, group = 0, mask = 0,
+      velocity = { 0.5, 0, 0 }, angular_velocity = { 0, 0, 0.75 } }
+add { centre = { 0, 0, 9 }, half_extents = { 0.5, 0.5, 0.5 } }
+return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' },
+         mesh = { file = 'block.obj', scale = 0.5, origin = { 0.25, 0, 1 }, carrier = 0 } }
+"""
+
+
+def test_carried(program, folder):
+    """A mesh that a body carries is where that is, in each frame."""
+    frames = run(program, folder, CARRIED, 60)
+    for time, path in read_series(frames, "ground"):
+        points, triangles = triangles_of(path)
+        assert abs(volume_of(triangles, points) - 1 * 3 * 2) < 1e-4
+        c, s = math.cos(0.75 * time), math.sin(0.75 * time)
+        for v, p in zip(BLOCK, points):
+            x, y = 0.25 + v[0] / 2, v[1] / 2
+            place = (1 + 0.5 * time + c * x - s * y, s * x + c * y, 1 + v[2] / 2)
+            assert near(p, place, 1e-4), (time, v, p)
+
+
 # ---------------------------------------------------------------- a run that ends in the middle
 
 def test_end(program, folder, signal, status):
@@ -397,6 +419,7 @@ for dims in (2, 3):
 test_rest(sys.argv[1], sys.argv[2])
 test_ground(sys.argv[1], sys.argv[2])
 test_mesh(sys.argv[1], sys.argv[2])
+test_carried(sys.argv[1], sys.argv[2])
 if not vtk:
     test_end(sys.argv[1], sys.argv[2], SIGKILL, -SIGKILL)
     test_end(sys.argv[1], sys.argv[2], SIGINT, -SIGINT)

@@ -1,0 +1,513 @@
+// SPDX-License-Identifier: MIT
+// Bodies on a mesh that a body without mass carries: against closed forms, against the same body as
+// a box, and seen from the mesh.
+#include "support/ground.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double weight = 9.81;
+
+// ---------------------------------------------------------------- carried meshes
+
+enum { MOST = 4000 };
+
+typedef struct carried {
+    duet_mesh mesh;
+    float vertices[3 * MOST];
+    uint32_t triangles[3 * MOST];
+} carried;
+
+static carried *carried_new(void)
+{
+    carried *c = calloc(1, sizeof *c);
+    assert_non_null(c);
+    c->mesh = (duet_mesh){.vertices = c->vertices, .triangles = c->triangles, .carrier = 1};
+    return c;
+}
+
+static uint32_t put(carried *c, double x, double y, double z)
+{
+    float *at = c->vertices + 3 * c->mesh.n_vertices;
+    assert_true(c->mesh.n_vertices < MOST);
+    at[0] = (float)x;
+    at[1] = (float)y;
+    at[2] = (float)z;
+    return c->mesh.n_vertices++;
+}
+
+static void face(carried *c, uint32_t i, uint32_t j, uint32_t k)
+{
+    uint32_t *t = c->triangles + 3 * c->mesh.n_triangles;
+    assert_true(c->mesh.n_triangles < MOST);
+    t[0] = i;
+    t[1] = j;
+    t[2] = k;
+    ++c->mesh.n_triangles;
+}
+
+static void quad(carried *c, uint32_t i, uint32_t j, uint32_t k, uint32_t l)
+{
+    face(c, i, j, k);
+    face(c, i, k, l);
+}
+
+// A level floor of n x n cells about the carrier.
+static carried *floor_of(double half, uint32_t n)
+{
+    carried *c = carried_new();
+    for (uint32_t i = 0; i < (n + 1) * (n + 1); ++i)
+        put(c, half * (2.0 * (i % (n + 1)) / n - 1), half * (2.0 * (i / (n + 1)) / n - 1), 0);
+    for (uint32_t j = 0; j < n; ++j)
+        for (uint32_t i = 0; i < n; ++i) {
+            uint32_t a = j * (n + 1) + i, b = a + n + 1;
+            quad(c, a, a + 1, b + 1, b);
+        }
+    return c;
+}
+
+// A drum about the y axis, its sides inward, with bars within.
+static carried *drum_of(double radius, double half, uint32_t sides)
+{
+    carried *c = carried_new();
+    uint32_t front = put(c, 0, -half, 0), back = put(c, 0, half, 0);
+    for (uint32_t i = 0; i < sides; ++i) {
+        double angle = 2 * acos(-1.0) * i / sides, r = radius * (i % 6 == 0 ? 0.8 : 1);
+        put(c, r * cos(angle), -half, r * sin(angle));
+        put(c, r * cos(angle), half, r * sin(angle));
+    }
+    for (uint32_t i = 0; i < sides; ++i) {
+        uint32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % sides);
+        quad(c, a, b, b + 1, a + 1);
+        face(c, front, b, a);
+        face(c, back, a + 1, b + 1);
+    }
+    return c;
+}
+
+// A mover on that mesh, whose first body carries it and touches nothing.
+static mover *carrying(const carried *c)
+{
+    mover *m = ground_mover();
+    duet_body *b = &m->bodies[mover_add(m, 0, 0, 0, 0.01, 0.01, 0.01)];
+    b->mass = 0;
+    b->group = b->mask = 0;
+    m->def.mesh = c ? &c->mesh : NULL;
+    return m;
+}
+
+static void set_velocity(mover *m, uint32_t id, double x, double y, double z)
+{
+    const double v[3] = {x, y, z};
+    for (int k = 0; k < 3; ++k)
+        m->bodies[id].velocity[k] = (float)v[k];
+}
+
+// ---------------------------------------------------------------- closed forms
+
+// A belt of speed v takes a box along: it slides for v / (mu g), by v^2 / (2 mu g) less than the
+// belt.
+TEST(a_box_on_a_floor_that_goes_slides_until_it_goes_along)
+{
+    const double v = 2, mu = 0.5;
+    carried *c = floor_of(20, 7);
+    mover *m = carrying(c);
+    set_velocity(m, 0, v, 0, 0);
+    uint32_t id = ground_add(m, SHARP, 0.3, 0.2);
+    m->bodies[id].friction = (float)mu;
+    m->bodies[id].restitution = 0;
+    mover_run(m, 120);
+    const double slide = v * v / (2 * mu * weight);
+    assert_close(m->states[id].velocity[0], v, 1e-3);
+    assert_close(m->states[id].centre[0], 0.3 + 2 * v - slide, 0.02);
+    assert_close(m->states[id].centre[2], (double)m->poses[id].centre[2], ground_slop);
+    mover_free(m);
+    free(c);
+}
+
+// A ball on a belt of speed v slides until it rolls, at 2/7 v.
+TEST(a_ball_on_a_floor_that_goes_rolls_at_two_sevenths)
+{
+    carried *c = floor_of(20, 7);
+    mover *m = carrying(c);
+    set_velocity(m, 0, 0, 1.4, 0);
+    uint32_t id = ground_add(m, ROLLING_BALL, 0.3, 0.2);
+    m->bodies[id].friction = 1;
+    mover_run(m, 90);
+    assert_close(m->states[id].velocity[1], 0.4, 0.004);
+    assert_close(m->states[id].angular_velocity[0], (1.4 - 0.4) / 0.25, 0.04);
+    mover_free(m);
+    free(c);
+}
+
+TEST(a_floor_that_rises_lifts_what_lies_on_it)
+{
+    carried *c = floor_of(8, 5);
+    mover *m = carrying(c);
+    set_velocity(m, 0, 0, 0, 0.75);
+    for (uint32_t kind = 0; kind < GROUND_KINDS; ++kind)
+        set_velocity(m, ground_add(m, kind, -5 + 2.0 * kind, 0.3), 0, 0, 0.75);
+    mover_run(m, 120);
+    for (uint32_t id = 1; id < m->n; ++id)
+        assert_close(m->states[id].centre[2], (double)m->poses[id].centre[2] + 1.5, ground_slop);
+    mover_free(m);
+    free(c);
+}
+
+// A block of friction 1 stays on its place of a table that turns slowly. Levers are those of a
+// step's begin, so that it goes outward by (w dt)^2 / 2 of its distance in each step.
+TEST(a_block_turns_with_its_table)
+{
+    const double w = 1, out = 0.5 * w * w / 3600;
+    carried *c = floor_of(5, 3);
+    mover *m = carrying(c);
+    uint32_t id = mover_add(m, 1.5, 0, 0.1, 0.1, 0.2, 0.1);
+    m->bodies[0].angular_velocity[2] = m->bodies[id].angular_velocity[2] = (float)w;
+    m->bodies[id].friction = 1;
+    set_velocity(m, id, 0, 1.5 * w, 0);
+    mover_run(m, 180);
+    double x = m->states[id].centre[0], y = m->states[id].centre[1];
+    assert_close(hypot(x, y), 1.5 * exp(out * 180), 0.01);
+    assert_close(atan2(y, x), 3, 0.01);
+    assert_close(2 * atan2(m->states[id].rotation[2], m->states[id].rotation[3]), 3, 0.01);
+    mover_free(m);
+    free(c);
+}
+
+// Above mu g it does not.
+TEST(a_block_leaves_a_table_that_turns_too_fast)
+{
+    carried *c = floor_of(5, 3);
+    for (int i = 0; i < 2; ++i) {
+        mover *m = carrying(c);
+        double w = i == 0 ? 1.9 : 2.6; // w^2 r of 3.6 and 6.8, on either side of mu g
+        uint32_t id = mover_add(m, 1, 0, 0.1, 0.1, 0.1, 0.1);
+        m->bodies[0].angular_velocity[2] = m->bodies[id].angular_velocity[2] = (float)w;
+        m->bodies[id].friction = 0.5f;
+        set_velocity(m, id, 0, w, 0);
+        mover_run(m, 60);
+        double far = hypot(m->states[id].centre[0], m->states[id].centre[1]);
+        assert_true(i == 0 ? far < 1.06 : far > 1.2);
+        mover_free(m);
+    }
+    free(c);
+}
+
+// A trough, a V along y: the ball stays in its middle.
+TEST(a_ball_goes_along_with_its_trough)
+{
+    carried *c = carried_new();
+    for (int i = 0; i < 2; ++i)
+        for (int k = -1; k <= 1; ++k)
+            put(c, k, i ? 9 : -9, fabs((double)k));
+    quad(c, 0, 1, 4, 3);
+    quad(c, 1, 2, 5, 4);
+    mover *m = carrying(c);
+    set_velocity(m, 0, 1.5, 0, 0);
+    uint32_t id = mover_add(m, 0, 0, 0.25 * sqrt(2), 0, 0, 0);
+    m->bodies[id].radius = 0.25f;
+    set_velocity(m, id, 1.5, 0, 0);
+    mover_run(m, 240);
+    assert_close(m->states[id].centre[0], 6, ground_slop);
+    assert_close(m->states[id].centre[2], 0.25 * sqrt(2), ground_slop);
+    mover_free(m);
+    free(c);
+}
+
+// ---------------------------------------------------------------- beside others
+
+// A floor that goes away under bodies without friction leaves them where they are.
+TEST(nothing_trips_over_the_seams_of_a_floor_that_goes)
+{
+    static const double speeds[] = {1, 2, 5, 10};
+    carried *c = floor_of(32, 40);
+    for (int i = 0; i < 4; ++i) {
+        mover *m = carrying(c);
+        double v = speeds[i], angle = 0.3 * i;
+        set_velocity(m, 0, v * cos(angle), v * sin(angle), 0);
+        for (uint32_t kind = 0; kind < GROUND_KINDS; ++kind)
+            m->bodies[ground_add(m, kind, -5 + 2.03 * kind, 0.37 * kind)].friction = 0;
+        for (int k = 0; k < 30; ++k) {
+            mover_run(m, (uint32_t)(20 / v * 60 / 30));
+            for (uint32_t id = 1; id < m->n; ++id) {
+                double hop = m->states[id].centre[2] - (double)m->poses[id].centre[2];
+                if (!(mover_speed(m, id) <= 0.02 * v && fabs(hop) <= ground_slop))
+                    fail_msg("kind %u over %g m/s goes at %g and hops %g", id - 1, v,
+                             mover_speed(m, id), hop);
+            }
+        }
+        mover_free(m);
+    }
+    free(c);
+}
+
+// The table as a box that turns, tilts and goes is the truth.
+TEST(bodies_on_a_carried_floor_go_as_on_a_box)
+{
+    carried *c = floor_of(6, 5);
+    mover *m[2];
+    for (int k = 0; k < 2; ++k) {
+        m[k] = carrying(k == 0 ? c : NULL);
+        duet_body *b = &m[k]->bodies[0];
+        b->angular_velocity[0] = 0.05f;
+        b->angular_velocity[2] = 0.4f;
+        set_velocity(m[k], 0, 0.2, -0.1, 0.1);
+        if (k == 1) { // the box lies below its body's centre
+            b->group = b->mask = UINT32_MAX;
+            b->friction = 0.9f;
+            m[k]->poses[0] = (duet_pose){.half_extents = {6, 6, 0.5f}, .rotation = {0, 0, 0, 1}};
+        }
+        for (uint32_t i = 0; i < 12; ++i) {
+            uint32_t id =
+                ground_add(m[k], i % 2 ? SHARP : ROUNDED, -3 + i % 4 * 2.0, -2 + i / 4 * 2.0);
+            m[k]->poses[id].centre[2] += k == 0 ? 0.02f : 0.52f;
+            m[k]->bodies[id].friction = 0.9f;
+        }
+        mover_run(m[k], 150);
+    }
+    for (uint32_t id = 1; id < m[0]->n; ++id) {
+        // The box's top is half a metre above the middle about which it turns.
+        double q[4], up[3];
+        memcpy(q, m[1]->states[0].rotation, sizeof q);
+        up[0] = 2 * (q[0] * q[2] + q[3] * q[1]);
+        up[1] = 2 * (q[1] * q[2] - q[3] * q[0]);
+        up[2] = 1 - 2 * (q[0] * q[0] + q[1] * q[1]);
+        for (int k = 0; k < 3; ++k)
+            assert_close(m[0]->states[id].centre[k], m[1]->states[id].centre[k] - 0.5 * up[k],
+                         0.05);
+    }
+    mover_free(m[0]);
+    mover_free(m[1]);
+    free(c);
+}
+
+// ---------------------------------------------------------------- a drum
+
+enum { GRAINS = 160 };
+
+static mover *grains_in(const carried *c, double speed)
+{
+    mover *m = carrying(c);
+    m->bodies[0].angular_velocity[1] = (float)speed;
+    for (uint32_t i = 0; i < GRAINS; ++i) {
+        uint32_t id = mover_add(m, (i % 8 - 3.5) * 0.14, (i / 8 % 4 - 1.5) * 0.2,
+                                (i / 32 - 2.0) * 0.14, 0, 0, 0);
+        m->bodies[id].radius = 0.06f;
+        m->bodies[id].friction = 0.6f;
+    }
+    return m;
+}
+
+// Grains are lifted and fall, and none leaves the drum.
+TEST(a_drum_that_turns_keeps_its_grains_and_lifts_them)
+{
+    carried *c = drum_of(1, 0.5, 24);
+    mover *m = grains_in(c, 1.5);
+    double highest = -1;
+    for (int i = 0; i < 20; ++i) {
+        mover_run(m, 18);
+        for (uint32_t id = 1; id < m->n; ++id) {
+            const double *at = m->states[id].centre;
+            if (!(hypot(at[0], at[2]) < 1 && fabs(at[1]) < 0.5))
+                fail_msg("grain %u is at %g %g %g after %d steps", id, at[0], at[1], at[2], 18 * i);
+            highest = i > 5 ? fmax(highest, at[2]) : highest;
+        }
+    }
+    assert_true(highest > -0.2);
+    mover_free(m);
+    free(c);
+}
+
+static uint64_t grain_hash(const carried *c, uint32_t share, double skin, bool sleeps)
+{
+    mover *m = grains_in(c, -2);
+    m->def.plan.share = share;
+    m->def.skin = skin;
+    m->def.wants |= sleeps ? DUET_EFFECT_SLEEP : 0;
+    mover_run(m, 80);
+    uint64_t hash = mover_hash(m);
+    mover_free(m);
+    return hash;
+}
+
+TEST(any_share_and_any_skin_give_the_same_bits)
+{
+    carried *c = drum_of(1, 0.5, 24);
+    uint64_t expected = grain_hash(c, 0, 0, false);
+    assert_int_equal(grain_hash(c, DUET_SHARE_ONE / 2, 0, false), expected);
+    assert_int_equal(grain_hash(c, DUET_SHARE_ONE, 0.05, false), expected);
+    assert_int_equal(grain_hash(c, 0, 0.2, false), expected);
+    assert_int_equal(grain_hash(c, 0, 0.2, true), grain_hash(c, DUET_SHARE_ONE / 3, 0.02, true));
+    free(c);
+}
+
+// ---------------------------------------------------------------- rest, targets, events
+
+static const duet_body_list the_carrier = {.first = 0, .n = 1};
+
+static void turn_carrier(mover *m, double speed)
+{
+    const duet_body b = {.angular_velocity = {0, 0, (float)speed}};
+    must(duet_motion_set_bodies(m->motion, the_carrier, DUET_BODY_ANGULAR_VELOCITY, &b, ERR));
+}
+
+static bool sleeps(mover *m, uint32_t id)
+{
+    uint8_t *asleep = malloc(m->n);
+    must(duet_motion_get_asleep(m->motion, asleep, ERR));
+    bool is = asleep[id];
+    free(asleep);
+    return is;
+}
+
+TEST(a_carrier_that_starts_wakes_what_sleeps_on_the_mesh)
+{
+    carried *c = floor_of(5, 3);
+    mover *m = carrying(c);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    uint32_t id = mover_add(m, 1, 0, 0.1, 0.1, 0.1, 0.1);
+    m->bodies[id].friction = 1;
+    mover_run(m, 120);
+    assert_true(sleeps(m, id));
+    turn_carrier(m, 0.5);
+    mover_run(m, 60);
+    assert_false(sleeps(m, id));
+    assert_close(atan2(m->states[id].centre[1], m->states[id].centre[0]), 0.5, 0.02);
+    turn_carrier(m, 0);
+    mover_run(m, 120);
+    assert_true(sleeps(m, id));
+    mover_free(m);
+    free(c);
+}
+
+// Targets that go to and fro: a block with friction is where the table is.
+static void aim(mover *m, double x)
+{
+    const duet_transform target = {.centre = {x, 0, 0}, .rotation = {0, 0, 0, 1}};
+    must(duet_motion_set_targets(m->motion, the_carrier, &target, ERR));
+}
+
+TEST(a_mesh_goes_to_its_carriers_targets)
+{
+    carried *c = floor_of(5, 3);
+    mover *m = carrying(c);
+    uint32_t id = mover_add(m, 1, 0, 0.1, 0.1, 0.1, 0.1);
+    m->bodies[id].friction = 1;
+    mover_run(m, 1);
+    for (int i = 1; i <= 120; ++i) {
+        aim(m, 0.3 * (1 - cos(i / 60.0)));
+        mover_run(m, 1);
+    }
+    assert_close(m->states[id].centre[0], 1 + 0.3 * (1 - cos(2.0)), 0.01);
+    mover_free(m);
+    free(c);
+}
+
+// The floor comes up at 2 m/s under a body that floats.
+TEST(a_hit_has_the_speed_of_the_mesh)
+{
+    carried *c = floor_of(5, 3);
+    mover *m = carrying(c);
+    m->def.gravity[2] = 0;
+    m->def.hit_speed = 0.5;
+    m->def.wants |= DUET_EFFECT_EVENTS;
+    set_velocity(m, 0, 0, 0, 2);
+    uint32_t id = mover_add(m, 1, 0.2, 0.3, 0.1, 0.1, 0.1), hits = 0;
+    for (int i = 0; i < 30; ++i) {
+        mover_run(m, 1);
+        for (uint64_t k = 0; k < m->last.n_hits; ++k) {
+            assert_int_equal(m->last.hits[k].a, id);
+            assert_int_equal(m->last.hits[k].b, m->n + 6);
+            assert_close((double)m->last.hits[k].speed, 2, 1e-3);
+            ++hits;
+        }
+    }
+    assert_int_equal(hits, 1);
+    assert_close(m->states[id].velocity[2], 2, 1e-3);
+    mover_free(m);
+    free(c);
+}
+
+// ---------------------------------------------------------------- kept, asked
+
+static mover *turning(const carried *c, uint32_t steps)
+{
+    mover *m = grains_in(c, 1);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.skin = 0.05;
+    mover_run(m, steps);
+    return m;
+}
+
+TEST(a_saved_motion_and_a_recording_go_on_bit_for_bit)
+{
+    carried *c = drum_of(1, 0.5, 24);
+    mover *m = turning(c, 50), *other = turning(c, 3);
+    ground_assert_saved(m, other);
+    ground_assert_recorded(m);
+    c->mesh.carrier = 2;
+    mover *n = carrying(c);
+    mover_add(n, 2, 0, 0, 0.1, 0.1, 0.1);
+    n->bodies[1].mass = 0;
+    mover_run(n, 1);
+    must_fail(ground_replay(n, ERR), DUET_STATUS_BAD_INPUT, "");
+    must_fail(duet_motion_load(n->motion, "begin", ERR), DUET_STATUS_BAD_INPUT, "");
+    free(c);
+}
+
+TEST(a_tree_has_the_mesh_where_it_is)
+{
+    carried *c = floor_of(2, 1);
+    mover *m = carrying(c);
+    const double turn = acos(-1.0) / 2; // in a second, about x: the floor is upright then
+    m->bodies[0].angular_velocity[0] = (float)turn;
+    set_velocity(m, 0, 0, 0.5, 1);
+    mover_run(m, 60);
+    duet_tree_def def = duet_motion_tree_def(m->motion);
+    duet_ray_query_def rays = duet_default_ray_query_def();
+    const duet_ray along = {.origin = {1, -6, 1}, .direction = {0, 1, 0}, .t_max = 20};
+    duet_ray_query_result found;
+    rays.tree = must(duet_tree_create(&def, ERR));
+    rays.normals = true;
+    must(duet_tree_set_motion(rays.tree, m->motion, ERR));
+    duet_ray_query *query = must(duet_ray_query_create(&rays, ERR));
+    must(duet_ray_query_run(query, &along, 1, &found, ERR));
+    assert_int_equal(found.hits[0].id, m->n + 6);
+    assert_close((double)found.hits[0].t, 6.5, 1e-3);
+    assert_close((double)found.normals[0].normal[1], -1, 1e-3);
+    duet_ray_query_destroy(query);
+    duet_tree_destroy(rays.tree);
+    mover_free(m);
+    free(c);
+}
+
+// ---------------------------------------------------------------- refused
+
+static void refuse(const mover *m, const char *says)
+{
+    must_fail(duet_motion_create(&m->def, m->poses, m->bodies, m->n, ERR), DUET_STATUS_BAD_ARGUMENT,
+              says);
+}
+
+TEST(carriers_that_no_mesh_can_have_are_refused)
+{
+    carried *c = floor_of(2, 1);
+    mover *m = carrying(c);
+    c->mesh.carrier = 2;
+    refuse(m, "the mesh's carrier is body 1; expected one of 1 bodies");
+    c->mesh.carrier = 1;
+    m->bodies[0].mass = 1;
+    refuse(m, "body 0, the mesh's carrier, has the mass 1");
+    m->bodies[0].mass = 0;
+    m->bodies[0].radius = 0.5f;
+    refuse(m, "and the radius 0.5; expected 0");
+    m->bodies[0].radius = 0;
+    mover_run(m, 1);
+    must_fail(duet_motion_remove_bodies(m->motion, the_carrier, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "body 0 of 1 carries the mesh");
+    free(c);
+}
+
+TEST_MAIN(mover_open_pair, mover_close_pair)
