@@ -3,6 +3,7 @@
 #include "base/core_watch.h"
 
 #include "base/clock.h"
+#include "base/list.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -29,7 +30,6 @@ typedef struct thread_row {
 typedef struct thread_table {
     thread_row *rows; // by id
     uint32_t n;
-    uint32_t capacity;
 } thread_table;
 
 // Readings of the clocks at a moment.
@@ -69,14 +69,10 @@ static bool read_row(int folder, const char *id, thread_row *row)
 
 static bool add_row(thread_table *t, const thread_row *row)
 {
-    if (t->n == t->capacity) {
-        uint32_t capacity = t->capacity ? 2 * t->capacity : 32;
-        thread_row *grown = realloc(t->rows, capacity * sizeof *grown);
-        if (!grown)
-            return false;
-        t->rows = grown;
-        t->capacity = capacity;
-    }
+    thread_row *rows = list_room(t->rows, t->n, sizeof *rows, NULL);
+    if (!rows)
+        return false;
+    t->rows = rows;
     t->rows[t->n++] = *row;
     return true;
 }

@@ -49,12 +49,29 @@ static inline void extent_add(extent *to, const double point[3])
     }
 }
 
+static inline extent extent_grown(extent e, double by)
+{
+    for (int k = 0; k < 3; ++k) {
+        e.lower[k] -= by;
+        e.upper[k] += by;
+    }
+    return e;
+}
+
 static inline bool extents_meet(const extent *a, const extent *b)
 {
     bool meet = true;
     for (int k = 0; k < 3; ++k)
         meet &= (a->lower[k] <= b->upper[k]) & (b->lower[k] <= a->upper[k]);
     return meet;
+}
+
+static inline bool extent_within(const extent *inner, const extent *outer)
+{
+    bool within = true;
+    for (int k = 0; k < 3; ++k)
+        within &= (inner->lower[k] >= outer->lower[k]) & (inner->upper[k] <= outer->upper[k]);
+    return within;
 }
 
 // Whether a point lies inside, and not on the surface.

@@ -3,15 +3,16 @@
 
 #include "base/error.h"
 #include "cluster/moving_domains.h"
-#include "runtime/dynamics/motion_rows.h"
 
 #include <stdlib.h>
 
 static void end_side(halo_side *s)
 {
     free(s->items.items);
+    free(s->colours);
+    free(s->places);
     for (int i = 0; i < HALO_LISTS; ++i)
-        free(s->wrong_after[i].rows);
+        free(s->comes_after[i].rows);
     parcels_end(&s->rows);
 }
 
@@ -53,14 +54,28 @@ static halo_item *item_at(const halo_side *s, uint64_t i)
     return (halo_item *)s->items.items + i;
 }
 
-static void settle_list(halo_side *s, const moving *m)
+static bool settle_list(halo_side *s, const moving *m, duet_error *own)
 {
+    ghost_colours *colours = realloc(s->colours, (s->items.n + 1) * sizeof *colours);
+    uint32_t *places = realloc(s->places, (s->items.n + 1) * sizeof *places);
+    s->colours = colours ? colours : s->colours;
+    s->places = places ? places : s->places;
+    if (!colours || !places)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     if (s->items.n > 0)
         qsort(s->items.items, s->items.n, sizeof(halo_item), compare);
     for (uint64_t i = 0; i < s->items.n; ++i) {
         halo_item *item = item_at(s, i);
         item->place = moving_place(m, &m->domains[item->domain], item->id);
     }
+    return true;
+}
+
+// Domains know which item a ghost of theirs is.
+static void note_ghosts(const halo_side *s, moving *m)
+{
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        m->domains[item_at(s, i)->domain].ghost_at[item_at(s, i)->place] = (uint32_t)i;
 }
 
 static uint32_t row_bytes(const moving *m, motion_buffer which)
@@ -79,9 +94,9 @@ static chosen all_of(const halo_side *s)
     return (chosen){NULL, s->items.n};
 }
 
-static chosen wrong_after(const halo_side *s, uint32_t colour)
+static chosen come_after(const halo_side *s, uint32_t colour)
 {
-    return (chosen){s->wrong_after[colour].rows, s->wrong_after[colour].n};
+    return (chosen){s->comes_after[colour].rows, s->comes_after[colour].n};
 }
 
 static const halo_item *chosen_at(const halo_side *s, const chosen *c, uint64_t i)
@@ -106,14 +121,15 @@ static bool reserve(halo_side *s, const moving *m, duet_error *own)
     return parcels_reserve(&s->rows, m->ranks, NULL, own);
 }
 
-static bool settle(halo *h, const moving *m, duet_error *own)
+static bool settle(halo *h, moving *m, duet_error *own)
 {
     if (!h->requests)
         h->requests = malloc(4 * (size_t)m->ranks->n * sizeof *h->requests);
     if (!h->requests || h->sent.items.failed || h->received.items.failed)
         return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
-    settle_list(&h->sent, m);
-    settle_list(&h->received, m);
+    if (!settle_list(&h->sent, m, own) || !settle_list(&h->received, m, own))
+        return false;
+    note_ghosts(&h->received, m);
     return reserve(&h->sent, m, own) && reserve(&h->received, m, own);
 }
 
@@ -124,60 +140,30 @@ bool halo_settle(halo *h, moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- rows
 
-static bool open_rows(const moving *m, motion_buffer which, motion_rows *rows, duet_error *own)
-{
-    bool ok = true;
-    for (uint32_t d = 0; ok && d < m->parts; ++d) {
-        duet_motion *motion = m->domains[d].motion;
-        ok = motion->n == 0 || motion_rows_open(motion, which, 0, motion->n, &rows[d], own);
-    }
-    return ok;
-}
-
-static void close_rows(const moving *m, motion_rows *rows, bool changed, duet_error *own)
-{
-    for (uint32_t d = 0; d < m->parts; ++d)
-        if (changed && rows[d].bytes)
-            motion_rows_close(m->domains[d].motion, &rows[d], own);
-        else
-            motion_rows_drop(&rows[d]);
-}
-
-// A part of a row that is sent.
-typedef struct row_part {
-    size_t at, bytes;
-} row_part;
-
-typedef struct row_parts {
-    row_part part[2];
-    uint32_t n;
-} row_parts;
-
 static size_t bytes_of(const row_parts *parts)
 {
-    return parts->part[0].bytes + (parts->n > 1 ? parts->part[1].bytes : 0);
+    return (parts->words[0] + parts->words[1]) * sizeof(uint32_t);
 }
 
-static void pack(halo_side *s, const chosen *c, const motion_rows *rows, const row_parts *parts)
+static row_parts whole_row(const moving *m, motion_buffer which)
 {
-    char *to = s->rows.rows;
-    for (uint64_t i = 0; i < c->n; ++i) {
-        const halo_item *item = chosen_at(s, c, i);
-        const char *row = motion_row(&rows[item->domain], item->place);
-        for (uint32_t k = 0; k < parts->n; to += parts->part[k++].bytes)
-            memcpy(to, row + parts->part[k].at, parts->part[k].bytes);
-    }
+    return (row_parts){.words = {motion_words(m->domains[0].motion, which)}};
 }
 
-static void unpack(const halo_side *s, const chosen *c, const motion_rows *rows,
-                   const row_parts *parts)
+typedef bool move_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                       const uint32_t *places, uint32_t n, void *packed, duet_error *err);
+
+// Items of one domain that follow each other are moved together.
+static void move_items(halo_side *s, const moving *m, motion_buffer which, const chosen *c,
+                       const row_parts *parts, move_rows *move, duet_error *own)
 {
-    const char *from = s->rows.rows;
-    for (uint64_t i = 0; i < c->n; ++i) {
-        const halo_item *item = chosen_at(s, c, i);
-        char *row = motion_row(&rows[item->domain], item->place);
-        for (uint32_t k = 0; k < parts->n; from += parts->part[k++].bytes)
-            memcpy(row + parts->part[k].at, from, parts->part[k].bytes);
+    char *packed = s->rows.rows;
+    for (uint64_t from = 0, to; is_well(own) && from < c->n; from = to) {
+        const uint32_t domain = chosen_at(s, c, from)->domain;
+        for (to = from; to < c->n && chosen_at(s, c, to)->domain == domain; ++to)
+            s->places[to - from] = chosen_at(s, c, to)->place;
+        move(m->domains[domain].motion, which, parts, s->places, (uint32_t)(to - from),
+             packed + from * bytes_of(parts), own);
     }
 }
 
@@ -186,27 +172,19 @@ static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out,
 {
     if (out->n == 0 && in->n == 0)
         return;
-    motion_rows *rows = calloc(m->parts, sizeof *rows);
-    if (!rows)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+    ++h->n_exchanges;
     h->sent.rows.row_bytes = h->received.rows.row_bytes = (uint32_t)bytes_of(parts);
     count(&h->sent, out, m->ranks->n);
     count(&h->received, in, m->ranks->n);
-    bool opened = is_well(own) && open_rows(m, which, rows, own);
-    if (opened)
-        pack(&h->sent, out, rows, parts);
+    move_items(&h->sent, m, which, out, parts, domain_pack_rows, own);
     parcels_pass(m->ranks, &h->sent.rows, &h->received.rows, h->requests);
-    if (opened)
-        unpack(&h->received, in, rows, parts);
-    if (rows)
-        close_rows(m, rows, opened, own);
-    free(rows);
+    move_items(&h->received, m, which, in, parts, domain_unpack_rows, own);
 }
 
 void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 {
     const chosen out = all_of(&h->sent), in = all_of(&h->received);
-    const row_parts whole = {{{0, row_bytes(m, which)}}, 1};
+    const row_parts whole = whole_row(m, which);
     exchange(h, m, which, &out, &in, &whole, own);
 }
 
@@ -215,89 +193,95 @@ void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 // Velocities of a body lie first (kernels/dynamics/records.h).
 static row_parts parts_of_body(const duet_motion *motion, bool warm)
 {
+    enum { VECTOR = 4 };
     const bool turns = motion->layout.body == BODY_OF(1);
-    const size_t vector = 4 * sizeof(float), both = (turns ? 2 : 1) * vector;
-    return (row_parts){{{0, both}, {BODY_WARM_IMPULSE_OF(turns) * vector, both}}, warm ? 2 : 1};
+    const uint32_t both = (turns ? 2 : 1) * VECTOR;
+    return (row_parts){.at = {0, BODY_WARM_IMPULSE_OF(turns) * VECTOR},
+                       .words = {both, warm ? both : 0}};
 }
 
 void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
 {
-    const chosen out = wrong_after(&h->sent, colour), in = wrong_after(&h->received, colour);
+    const chosen out = come_after(&h->sent, colour), in = come_after(&h->received, colour);
     const row_parts parts = parts_of_body(m->domains[0].motion, warm);
     exchange(h, m, BODIES, &out, &in, &parts, own);
 }
 
 void halo_exchange_late(halo *h, moving *m, duet_error *own)
 {
-    const chosen out = wrong_after(&h->sent, HALO_LATE), in = wrong_after(&h->received, HALO_LATE);
-    const row_parts whole = {{{0, row_bytes(m, BODIES)}}, 1};
+    const chosen out = come_after(&h->sent, HALO_LATE), in = come_after(&h->received, HALO_LATE);
+    const row_parts whole = whole_row(m, BODIES);
     exchange(h, m, BODIES, &out, &in, &whole, own);
 }
 
-bool halo_has_wrong(const halo *h, uint32_t colour)
+bool halo_comes(const halo *h, uint32_t colour)
 {
-    return h->sent.wrong_after[colour].n > 0 || h->received.wrong_after[colour].n > 0;
+    return h->sent.comes_after[colour].n > 0 || h->received.comes_after[colour].n > 0;
 }
 
-static uint32_t colours_here(const moving *m, const halo_item *item)
-{
-    return m->domains[item->domain].used[item->place];
-}
+// ---------------------------------------------------------------- what comes when
 
-// Tells the other sides the colours that the items have here, of which the parcels become theirs.
-static void tell_colours(halo *h, moving *m, halo_side *from, halo_side *to)
+// Sends a row of each item, of which there are parcels on both sides.
+static void tell(halo *h, moving *m, halo_side *from, halo_side *to, uint32_t bytes)
 {
-    uint32_t *here = from->rows.rows;
     const chosen out = all_of(from), in = all_of(to);
-    from->rows.row_bytes = to->rows.row_bytes = sizeof *here;
+    from->rows.row_bytes = to->rows.row_bytes = bytes;
     count(from, &out, m->ranks->n);
     count(to, &in, m->ranks->n);
-    for (uint64_t i = 0; i < from->items.n; ++i)
-        here[i] = colours_here(m, item_at(from, i));
     parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
 }
 
-// Contacts that are here, too, leave a ghost right. Not all need be here of those without a colour
-// of their own.
-static uint32_t wrong_colours(uint32_t at_home, uint32_t here)
+void halo_tell_home(halo *h, moving *m)
 {
-    return at_home & ~(here & ((1u << HALO_COLOURS) - 1));
+    uint32_t *at_home = h->sent.rows.rows;
+    const uint32_t *theirs = h->received.rows.rows;
+    for (uint64_t i = 0; i < h->sent.items.n; ++i) {
+        const halo_item *item = item_at(&h->sent, i);
+        at_home[i] = m->domains[item->domain].used[item->place];
+    }
+    tell(h, m, &h->sent, &h->received, sizeof *at_home);
+    for (uint64_t i = 0; i < h->received.items.n; ++i)
+        h->received.colours[i] = (ghost_colours){.at_home = theirs[i]};
 }
 
-static void list_wrong(halo_side *s, uint64_t i, uint32_t at_home, uint32_t here)
+// The colours of contacts that leave the ghost wrong. Not all need be here of those without a
+// colour of their own.
+static uint32_t lost_of(const ghost_colours *c)
 {
-    const uint32_t colours = here != 0 ? wrong_colours(at_home, here) : 0;
-    for (uint32_t k = 0; k < HALO_COLOURS; ++k)
-        if (colours >> k & 1u)
-            row_list_add(&s->wrong_after[k], (uint32_t)i);
-    if (colours != 0)
-        row_list_add(&s->wrong_after[HALO_ANY], (uint32_t)i);
-    if (here == 0 && at_home != 0)
-        row_list_add(&s->wrong_after[HALO_LATE], (uint32_t)i);
+    return c->at_home & ~(c->here & ((1u << HALO_COLOURS) - 1));
 }
 
-static bool has_lists(const halo_side *s)
+static void list_ghost(halo_side *s, uint64_t i)
+{
+    const ghost_colours *c = &s->colours[i];
+    for (uint32_t k = 0; k <= HALO_END; ++k)
+        if (c->comes >> k & 1u)
+            row_list_add(&s->comes_after[k], (uint32_t)i);
+    if (c->here != 0 && lost_of(c) != 0)
+        row_list_add(&s->comes_after[HALO_ANY], (uint32_t)i);
+    if (c->here == 0 && c->at_home != 0)
+        row_list_add(&s->comes_after[HALO_LATE], (uint32_t)i);
+}
+
+static void list_ghosts(halo_side *s, duet_error *own)
 {
     bool failed = false;
     for (int k = 0; k < HALO_LISTS; ++k)
-        failed = failed || s->wrong_after[k].failed;
-    return !failed;
+        list_clear(&s->comes_after[k].list);
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        list_ghost(s, i);
+    for (int k = 0; k < HALO_LISTS; ++k)
+        failed = failed || s->comes_after[k].failed;
+    if (failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
 }
 
-void halo_note_colours(halo *h, moving *m, duet_error *own)
+void halo_ask(halo *h, moving *m, duet_error *own)
 {
-    const uint32_t *theirs = h->received.rows.rows;
-    for (int k = 0; k < HALO_LISTS; ++k) {
-        list_clear(&h->sent.wrong_after[k].list);
-        list_clear(&h->received.wrong_after[k].list);
-    }
-    tell_colours(h, m, &h->sent, &h->received);
-    for (uint64_t i = 0; i < h->received.items.n; ++i)
-        list_wrong(&h->received, i, theirs[i], colours_here(m, item_at(&h->received, i)));
-    tell_colours(h, m, &h->received, &h->sent);
-    theirs = h->sent.rows.rows;
-    for (uint64_t i = 0; i < h->sent.items.n; ++i)
-        list_wrong(&h->sent, i, colours_here(m, item_at(&h->sent, i)), theirs[i]);
-    if (!has_lists(&h->sent) || !has_lists(&h->received))
-        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+    const size_t bytes = sizeof(ghost_colours);
+    memcpy(h->received.rows.rows, h->received.colours, h->received.items.n * bytes);
+    tell(h, m, &h->received, &h->sent, (uint32_t)bytes);
+    memcpy(h->sent.colours, h->sent.rows.rows, h->sent.items.n * bytes);
+    list_ghosts(&h->sent, own);
+    list_ghosts(&h->received, own);
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Bodies while a step is solved, from the domains whose own they are to those that have them as
 // ghosts. Lists of both sides ascend alike, so no message says which is which: items as long as
-// bodies stay in their domains, and in each step those of them that a colour leaves wrong.
+// bodies stay in their domains, and in each step those of them that come after a colour.
 #ifndef CLUSTER_HALO_H
 #define CLUSTER_HALO_H
 
+#include "cluster/closure.h"
 #include "cluster/list.h"
 #include "cluster/parcels.h"
 #include "runtime/dynamics/motion.h"
@@ -17,21 +18,24 @@ typedef struct halo_item {
     uint32_t domain, place; // at this side, of this rank's domains
 } halo_item;
 
-// Lists of ghosts: those that contacts of a colour, which have numbers from 0, leave wrong; those
-// that any contact does; and those that have contacts at home and none here, which nobody asks for
-// before the step ends.
-enum { HALO_COLOURS = 31, HALO_ANY = HALO_COLOURS, HALO_LATE, HALO_LISTS };
+// Lists of ghosts: those that come after a colour, which have numbers from 0; after all colours;
+// those that any contact leaves wrong; and those that have contacts at home and none here, which
+// nobody asks for before the step ends.
+enum { HALO_COLOURS = CLOSURE_COLOURS, HALO_END = CLOSURE_END, HALO_ANY, HALO_LATE, HALO_LISTS };
 
 // The items at one side.
 typedef struct halo_side {
     item_list items;                  // halo_item
-    row_list wrong_after[HALO_LISTS]; // items that are then to be sent
+    ghost_colours *colours;           // [items], of the step
+    row_list comes_after[HALO_LISTS]; // items that are then to be sent
+    uint32_t *places;                 // [items] of those that travel
     parcels rows;
 } halo_side;
 
 typedef struct halo {
     halo_side sent, received;
     MPI_Request *requests;
+    uint64_t n_exchanges; // so far, in which this rank had rows to send or to receive
 } halo;
 
 struct moving;
@@ -47,19 +51,20 @@ bool halo_settle(halo *h, struct moving *m, duet_error *own);
 // or fails, sends rows all the same, so that no exchange of a step needs agreement.
 void halo_exchange(halo *h, struct moving *m, motion_buffer which, duet_error *own);
 
-// Finds which ghosts are wrong after contacts of a colour: those whose own domain has one that
-// touches them and that is not here. Domains know the colours of their bodies' contacts
-// (moving_domain.used). Needs agreement.
-void halo_note_colours(halo *h, struct moving *m, duet_error *own);
+// Tells those that have ghosts the colours that these have at home, as domains know them of their
+// bodies (moving_domain.used); and those whose own they are when they are to come back. Both are
+// collective and need agreement.
+void halo_tell_home(halo *h, struct moving *m);
+void halo_ask(halo *h, struct moving *m, duet_error *own);
 
 // Makes velocities, and the impulses to warm start with, those of the ghosts' own domains after
-// contacts of a colour; HALO_ANY: after all.
+// contacts of a colour, or of all (HALO_END); HALO_ANY: of all that any contact leaves wrong.
 void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
 
 // Makes all of the bodies of HALO_LATE those of their own domains.
 void halo_exchange_late(halo *h, struct moving *m, duet_error *own);
 
 // Whether this rank sends or receives something then.
-bool halo_has_wrong(const halo *h, uint32_t colour);
+bool halo_comes(const halo *h, uint32_t colour);
 
 #endif

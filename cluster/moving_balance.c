@@ -21,11 +21,11 @@ static uint64_t busy_ns(const moving *m)
     return is_cpu ? clock_process_ns() - r->spun_ns : ranks_now_ns() - r->wait_ns;
 }
 
-static double ends_of(const moving *m, const moving_domain *d)
+static double ends_of(const moving_domain *d)
 {
     uint32_t ends = 0;
     for (uint64_t i = 0; i < d->bodies.n; ++i)
-        if (moving_is_own(d, moving_body_at(m, &d->bodies, i)))
+        if (d->kinds[i] & PLACE_OWN)
             ends += moving_ends(d, i);
     return ends;
 }
@@ -36,7 +36,7 @@ static work_row row_of(moving *m)
     uint64_t now = busy_ns(m);
     for (uint32_t k = 0; k < m->parts; ++k) {
         row.bodies += m->domains[k].n_own;
-        row.ends += ends_of(m, &m->domains[k]);
+        row.ends += ends_of(&m->domains[k]);
     }
     row.busy_ns = m->balance.since_ns > 0 ? (double)(now - m->balance.since_ns) : 0.0;
     m->balance.since_ns = now;

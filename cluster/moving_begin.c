@@ -170,6 +170,7 @@ static void measure_rows(moving *m)
 {
     const duet_motion *first = m->domains[0].motion;
     m->def = first->def; // whose ground is a copy
+    m->every = first->plan.colours > 0 ? first->plan.colours : 1;
     m->body_bytes = sizeof(moving_body) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
 }
@@ -321,9 +322,16 @@ void moving_end(moving *m)
         free(m->domains[k].bodies.items);
         free(m->domains[k].contacts.items);
         free(m->domains[k].used);
+        free(m->domains[k].ghost_at);
+        free(m->domains[k].kinds);
+        free(m->domains[k].left.contacts);
+        domain_contacts_free(&m->domains[k].solved);
+        free(m->domains[k].border.rows);
+        free(m->domains[k].waiting.rows);
         free(m->domains[k].in_order.rows);
     }
     free(m->domains);
+    free(m->reaches);
     halo_end(&m->halo);
     moving_events_end(&m->events);
     bisection_end(&m->cuts);

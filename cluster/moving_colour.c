@@ -12,79 +12,93 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
-// Whether the contact changes a body that is awake, and the domain owns an end that acts. Sensors
-// push nothing.
-static bool pushes(const moving *m, const moving_domain *d, const domain_contacts *c, uint32_t i,
+// Whether the contact changes a body that is awake. Sensors push nothing.
+static bool pushes(const moving_domain *d, const domain_contacts *c, uint32_t i,
                    const cl_uint *asleep)
 {
-    bool decides = false, is_awake = false, is_sensor = false;
+    bool is_awake = false, is_sensor = false;
     for (int k = 0; k < 2; ++k) {
         uint32_t place = c->links[i].s[k];
-        const moving_body *b = moving_body_or_wall(m, d, place);
-        decides = decides || (b && moving_decides(d, b));
-        is_sensor = is_sensor || (b && b->body.sensor);
-        is_awake = is_awake || (b && b->body.mass > 0.0f && !(asleep[place] & SLEEPS));
+        is_sensor = is_sensor || (d->kinds[place] & PLACE_SENSOR);
+        is_awake = is_awake || ((d->kinds[place] & PLACE_MOVES) && !(asleep[place] & SLEEPS));
     }
-    return decides && is_awake && !is_sensor && (c->touches[i] & TOUCH_POINTS) > 0;
+    return is_awake && !is_sensor && (c->touches[i] & TOUCH_POINTS) > 0;
+}
+
+// Whether a contact that begins to push may be solved here: of two ghosts, only as at home.
+static bool may_wait(const moving *m, const moving_domain *d, const uint32_t ends[2])
+{
+    return moving_decides_contact(d, ends) ||
+           (m->every > 1 && !moving_is_left(d, moving_id(m, d, ends[0]), moving_id(m, d, ends[1])));
+}
+
+static void note_used(moving_domain *d, uint32_t row)
+{
+    const uint32_t *ends = d->solved.links[row].s;
+    for (int k = 0; k < 2; ++k)
+        if (d->kinds[ends[k]] & PLACE_MOVES)
+            d->used[ends[k]] |= 1u << d->solved.colours[row];
 }
 
 // A contact keeps its colour while it pushes.
-static void mark(const moving *m, const moving_domain *d, domain_contacts *c, const cl_uint *asleep)
+static void mark(const moving *m, moving_domain *d, uint32_t row, const cl_uint *asleep)
 {
-    for (uint32_t i = 0; i < c->n; ++i)
-        if (!pushes(m, d, c, i, asleep))
-            c->colours[i] = COLOUR_NONE;
-        else if (c->colours[i] == COLOUR_NONE)
-            c->colours[i] = COLOUR_WAITS;
+    uint32_t *colour = &d->solved.colours[row];
+    if (!pushes(d, &d->solved, row, asleep))
+        *colour = COLOUR_NONE;
+    else if (*colour == COLOUR_NONE && may_wait(m, d, d->solved.links[row].s))
+        *colour = COLOUR_WAITS;
+    if (*colour <= COLOUR_OVERFLOW)
+        note_used(d, row);
+    else if (*colour == COLOUR_WAITS)
+        row_list_add(&d->waiting, row);
 }
 
-// The colours that the contacts here have of each body that moves.
-static void note_used(const moving *m, moving_domain *d, const domain_contacts *c)
+static void mark_all(const moving *m, moving_domain *d, const cl_uint *asleep)
 {
     memset(d->used, 0, d->bodies.n * sizeof *d->used);
-    for (uint32_t i = 0; i < c->n; ++i)
-        for (int k = 0; k < 2 && c->colours[i] <= COLOUR_OVERFLOW; ++k) {
-            const moving_body *b = moving_body_or_wall(m, d, c->links[i].s[k]);
-            if (b && b->body.mass > 0.0f)
-                d->used[c->links[i].s[k]] |= 1u << c->colours[i];
-        }
-}
-
-// The colours that an end has, if all its contacts are here.
-static uint32_t used_of(const moving_domain *d, const moving_body *b, uint32_t place)
-{
-    return b && moving_decides(d, b) ? d->used[place] : 0;
-}
-
-static void list_waiting(const moving *m, const moving_domain *d, const domain_contacts *c,
-                         waiting_list *waiting)
-{
-    for (uint32_t i = 0; i < c->n; ++i) {
-        uint32_t a = c->links[i].s[0], b = c->links[i].s[1];
-        const moving_body *owner = moving_body_or_wall(m, d, a),
-                          *other = moving_body_or_wall(m, d, b);
-        if (c->colours[i] != COLOUR_WAITS)
-            continue;
-        const waiting_contact one = {.owner = owner->id,
-                                     .other = moving_id(m, d, b),
-                                     .other_moves = other && other->body.mass > 0.0f,
-                                     .owner_used = used_of(d, owner, a),
-                                     .other_used = used_of(d, other, b)};
-        list_add(&waiting->list, &one, 1, sizeof one);
+    list_clear(&d->border.list);
+    list_clear(&d->waiting.list);
+    for (uint32_t row = 0; row < d->solved.n; ++row) {
+        const uint32_t *ends = d->solved.links[row].s;
+        if (moving_is_ghost(d, ends[0]) || moving_is_ghost(d, ends[1]))
+            row_list_add(&d->border, row);
+        mark(m, d, row, asleep);
     }
 }
 
-static void wait_for_colours(const moving *m, moving_domain *d, domain_contacts *c,
-                             waiting_list *waiting, duet_error *own)
+// The colours that an end has, if all its contacts are here.
+static uint32_t used_of(const moving_domain *d, uint32_t place)
+{
+    return moving_decides_at(d, place) ? d->used[place] : 0;
+}
+
+static void list_waiting(const moving *m, const moving_domain *d, waiting_list *waiting)
+{
+    for (uint64_t i = 0; i < d->waiting.n; ++i) {
+        const uint32_t *ends = d->solved.links[d->waiting.rows[i]].s;
+        const waiting_contact one = {.owner = moving_id(m, d, ends[0]),
+                                     .other = moving_id(m, d, ends[1]),
+                                     .other_moves = (d->kinds[ends[1]] & PLACE_MOVES) != 0,
+                                     .owner_used = used_of(d, ends[0]),
+                                     .other_used = used_of(d, ends[1])};
+        if (moving_decides_contact(d, ends))
+            list_add(&waiting->list, &one, 1, sizeof one);
+    }
+}
+
+static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *waiting,
+                             duet_error *own)
 {
     cl_uint *asleep = calloc(d->bodies.n + 1, sizeof *asleep);
     if (!asleep)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-    else if (domain_read_asleep(d->motion, asleep, own)) {
-        mark(m, d, c, asleep);
-        note_used(m, d, c);
-        list_waiting(m, d, c, waiting);
-    }
+    else if (domain_read_asleep(d->motion, asleep, own))
+        mark_all(m, d, asleep);
+    if (d->border.failed || d->waiting.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+    if (is_well(own))
+        list_waiting(m, d, waiting);
     free(asleep);
 }
 
@@ -116,26 +130,30 @@ static bool tell_all(moving *m, const waiting_list *waiting, parcels *all, duet_
                         listener_of, write_waiting, &t, all, own);
 }
 
-static void take_colours(moving *m, moving_domain *d, domain_contacts *c,
-                         const waiting_contact *waiting, uint64_t n, duet_error *own)
+// A contact of two ghosts that does not wait at home waits on: its colour is not known here.
+static void take_colours(const moving *m, moving_domain *d, const waiting_contact *waiting,
+                         uint64_t n)
 {
-    for (uint32_t i = 0; i < c->n; ++i)
-        if (c->colours[i] == COLOUR_WAITS)
-            c->colours[i] = colouring_find(waiting, n, moving_id(m, d, c->links[i].s[0]),
-                                           moving_id(m, d, c->links[i].s[1]));
-    note_used(m, d, c);
-    domain_take_colours(d->motion, c->colours, own);
+    for (uint64_t i = 0; i < d->waiting.n; ++i) {
+        const uint32_t row = d->waiting.rows[i], *ends = d->solved.links[row].s;
+        uint32_t found =
+            colouring_find(waiting, n, moving_id(m, d, ends[0]), moving_id(m, d, ends[1]));
+        if (found == COLOUR_NONE)
+            continue;
+        d->solved.colours[row] = found;
+        note_used(d, row);
+    }
 }
 
 // A contact is counted by the domain whose own its owner is.
-static void count(const moving *m, const moving_domain *d, const domain_contacts *c, tally *t)
+static void count(const moving_domain *d, const domain_contacts *c, tally *t)
 {
     for (uint32_t i = 0; i < c->n; ++i) {
         if (c->colours[i] >= COLOUR_WAITS)
             continue;
         t->greatest[0] =
             c->colours[i] + 1.0 > t->greatest[0] ? c->colours[i] + 1.0 : t->greatest[0];
-        t->sums[0] += moving_is_own(d, moving_body_or_wall(m, d, c->links[i].s[0]));
+        t->sums[0] += d->kinds[c->links[i].s[0]] & PLACE_OWN;
     }
 }
 
@@ -166,16 +184,16 @@ static void note_in_order(const moving *m, moving_domain *d, const domain_contac
 }
 
 // All ranks learn which contacts are solved in order, and each domain where its own lie among them.
-static bool order_contacts(moving *m, const domain_contacts *contacts, duet_error *own)
+static bool order_contacts(moving *m, duet_error *own)
 {
     waiting_list list = {0};
     parcels all = {0};
     for (uint32_t k = 0; k < m->parts; ++k)
-        add_in_order(m, &m->domains[k], &contacts[k], &list);
+        add_in_order(m, &m->domains[k], &m->domains[k].solved, &list);
     bool ok = tell_all(m, &list, &all, own);
     m->n_in_order = ok ? colouring_sort(all.rows, all.n) : 0;
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        note_in_order(m, &m->domains[k], &contacts[k], all.rows, m->n_in_order, own);
+        note_in_order(m, &m->domains[k], &m->domains[k].solved, all.rows, m->n_in_order, own);
     free(list.contacts);
     parcels_end(&all);
     return ok;
@@ -183,41 +201,50 @@ static bool order_contacts(moving *m, const domain_contacts *contacts, duet_erro
 
 // ---------------------------------------------------------------- all of it
 
-static bool end_colouring(moving *m, const domain_contacts *contacts, tally *t, duet_error *own)
+static bool end_colouring(moving *m, tally *t, duet_error *own)
 {
     if (!ranks_agree_and(m->ranks, is_well(own), t, own))
         return false;
     m->counts.colours = (uint32_t)t->greatest[0];
     m->counts.contacts = t->sums[0];
     m->n_in_order = 0;
-    return m->counts.colours <= COLOUR_OVERFLOW || order_contacts(m, contacts, own);
+    return m->counts.colours <= COLOUR_OVERFLOW || order_contacts(m, own);
+}
+
+// All domains' own contacts have colours: finds which others are solved here, and gives them to the
+// motions.
+static bool give_colours(moving *m, duet_error *own)
+{
+    tally t = {.sums = {0}};
+    halo_tell_home(&m->halo, m);
+    if (is_well(own))
+        moving_close(m, own);
+    halo_ask(&m->halo, m, own);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        moving_domain *d = &m->domains[k];
+        domain_take_colours(d->motion, d->solved.colours, own);
+        count(d, &d->solved, &t);
+    }
+    return end_colouring(m, &t, own);
 }
 
 bool moving_colour(moving *m, duet_error *own)
 {
     waiting_list waiting = {0};
     parcels all = {0};
-    tally t = {.sums = {0}};
-    domain_contacts *contacts = calloc(m->parts, sizeof *contacts);
-    if (is_well(own) && !contacts)
-        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        if (domain_read_contacts(m->domains[k].motion, false, &contacts[k], own))
-            wait_for_colours(m, &m->domains[k], &contacts[k], &waiting, own);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        moving_domain *d = &m->domains[k];
+        domain_contacts_free(&d->solved);
+        if (domain_read_contacts(d->motion, false, &d->solved, own))
+            wait_for_colours(m, d, &waiting, own);
+    }
     bool ok = tell_all(m, &waiting, &all, own);
     uint64_t n = all.n;
     if (ok && is_well(own))
         colouring_run(all.rows, &n, own);
-    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
-        take_colours(m, &m->domains[k], &contacts[k], all.rows, n, own);
-        count(m, &m->domains[k], &contacts[k], &t);
-    }
-    if (ok)
-        halo_note_colours(&m->halo, m, own);
-    ok = ok && end_colouring(m, contacts, &t, own);
-    for (uint32_t k = 0; contacts && k < m->parts; ++k)
-        domain_contacts_free(&contacts[k]);
-    free(contacts);
+    for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
+        take_colours(m, &m->domains[k], all.rows, n);
+    ok = ok && give_colours(m, own);
     free(waiting.contacts);
     parcels_end(&all);
     return ok;

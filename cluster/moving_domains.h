@@ -4,10 +4,14 @@
 // Invariants:
 //   - Each body is one domain's own. Domain d is of rank d / parts, and the box that held the
 //     body's centre when bodies were last exchanged is its own domain's.
-//   - A domain has, as ghosts, all bodies of others whose bounds then met those of its own that
-//     act: that move, or are sensors. Bodies are exchanged before one that has left these bounds
-//     takes a step. So all contacts of its own bodies that act are there, and right.
-//   - A ghost has its own domain's bits, at the step's beginning and after each colour.
+//   - A domain has, as ghosts, all bodies of others whose bounds then met its reach: the box around
+//     those of its own that act, that move or are sensors. Bodies are exchanged before one takes a
+//     step whose bounds have left its domain's reach, or meet one that they did not meet then. So
+//     all contacts of its own bodies that act are there, and right.
+//   - A ghost has its own domain's bits at the step's beginning, and in a sweep of colours whenever
+//     a contact that is solved here needs it (closure.h).
+//   - Between steps a contact of two ghosts has the bits that it has at home, or it was left there:
+//     then it has no colour here, and is not solved.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
 #define CLUSTER_MOVING_DOMAINS_H
@@ -38,14 +42,30 @@ typedef struct moving_contact {
     uint32_t told; // 1: it touches, and events tell of it
 } moving_contact;
 
+// A contact of two ghosts, by ids.
+typedef struct left_contact {
+    uint32_t owner, other;
+} left_contact;
+
+typedef LIST_OF(left_contact, contacts) left_list;
+
+// What is known of a place, apart from the long rows of bodies; a wall is of no kind.
+enum { PLACE_OWN = 1 << 0, PLACE_MOVES = 1 << 1, PLACE_SENSOR = 1 << 2 };
+
 typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;    // of all ranks' domains
     item_list bodies;   // ascending by id; the motion's, place by place
     item_list contacts; // ascending; what the next step begins with
     uint32_t n_own;
-    uint32_t *used;    // [bodies], a bit for each colour of the contacts that it has here
-    row_list in_order; // its contacts of COLOUR_OVERFLOW: ascending places among those of all
+    uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here
+    uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
+    uint8_t *kinds;         // [bodies + FIXED]
+    row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
+    left_list left;         // contacts of two ghosts that are not as at home: ascending
+    domain_contacts solved; // all contacts of the step, with colours if they are solved here
+    row_list border;        // rows of them that have a ghost
+    row_list waiting;       // and of those that wait for a colour
 } moving_domain;
 
 // Whether ranks have equal work.
@@ -64,10 +84,12 @@ struct moving {
     effect_facts facts;
     double extent;
     uint32_t parts; // domains of each rank
+    uint32_t every; // colours after which ghosts come at the latest
     uint32_t n_domains, n_all;
     cl_int4 base; // the origin cell that all count from
     size_t body_bytes, contact_bytes;
     bisection cuts;
+    extent *reaches;        // [n_domains], when bodies were last exchanged
     moving_domain *domains; // [parts]
     halo halo;
     moving_events events;
@@ -111,17 +133,36 @@ static inline bool moving_decides(const moving_domain *d, const moving_body *b)
     return b->own == d->number && moving_acts(b);
 }
 
-// Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
-static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
-{
-    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
-}
-
 // Returns the body at a place; NULL: a wall, or the ground.
 static inline const moving_body *moving_body_or_wall(const moving *m, const moving_domain *d,
                                                      uint32_t place)
 {
     return place < d->bodies.n ? moving_body_at(m, &d->bodies, place) : NULL;
+}
+
+// Whether the domain owns the body at a place, or wall, and it acts.
+static inline bool moving_decides_at(const moving_domain *d, uint32_t place)
+{
+    const uint8_t kind = d->kinds[place];
+    return (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
+}
+
+// Whether the domain owns an end that acts, of a contact of two places.
+static inline bool moving_decides_contact(const moving_domain *d, const uint32_t ends[2])
+{
+    return moving_decides_at(d, ends[0]) || moving_decides_at(d, ends[1]);
+}
+
+// Whether the body at a place moves and is another domain's.
+static inline bool moving_is_ghost(const moving_domain *d, uint32_t place)
+{
+    return (d->kinds[place] & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
+}
+
+// Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
+static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
+{
+    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
 }
 
 static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32_t place)
@@ -157,6 +198,10 @@ duet_motion *moving_create(const moving *m, duet_error *own);
 // Reads what a step made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
 
+// Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
+// all domains that have what it may touch.
+bool moving_stays(const moving *m, uint32_t domain, const extent *old, const extent *now);
+
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);
 
@@ -189,5 +234,16 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);
+
+// Of the step's contacts, takes away the colours of those of ghosts that are not solved here, and
+// finds when ghosts come.
+void moving_close(moving *m, duet_error *own);
+
+// Whether a contact of two ghosts was left at home.
+bool moving_is_left(const moving_domain *d, uint32_t owner, uint32_t other);
+
+// After a step: contacts that are solved at home alone, of ghosts that others are solved of here,
+// become as at home, so that the next step may solve them. Collective.
+bool moving_refresh(moving *m, duet_error *own);
 
 #endif

@@ -114,13 +114,20 @@ static extent reach_of(const moving *m, const moving_domain *d)
     return reach;
 }
 
-static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *b,
-                          const extent *reaches, item_list *out)
+// Ghosts lie so many bodies deep: a contact of colour k needs at most k others, one behind the
+// other, and hardly ever more than some.
+static double layers_of(const moving *m)
+{
+    const double most = 6.0;
+    return lesser(m->every - 1.0, most);
+}
+
+static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *b, item_list *out)
 {
     const extent box = {{b->bounds[0], b->bounds[1], b->bounds[2]},
                         {b->bounds[3], b->bounds[4], b->bounds[5]}};
     for (uint32_t to = 0; to < m->n_domains; ++to) {
-        if (to == d->number || !extents_meet(&box, &reaches[to]))
+        if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
         list_add(out, b, 1, m->body_bytes);
         if (!out->failed)
@@ -150,29 +157,92 @@ static void note_ghosts(moving *m)
     }
 }
 
+static bool find_reaches(moving *m, duet_error *own)
+{
+    extent *here = calloc(m->parts, sizeof *here);
+    if (!m->reaches)
+        m->reaches = calloc(m->n_domains, sizeof *m->reaches);
+    if (!here || !m->reaches)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+    bool ok = ranks_agree(m->ranks, is_well(own), own);
+    for (uint32_t k = 0; ok && k < m->parts; ++k)
+        here[k] = extent_grown(reach_of(m, &m->domains[k]), layers_of(m) * m->extent);
+    if (ok)
+        ranks_gather(m->ranks, here, m->reaches, (int)(m->parts * sizeof *here));
+    free(here);
+    return ok;
+}
+
 static bool exchange_ghosts(moving *m, duet_error *own)
 {
     item_list out = {0};
-    extent *all = calloc((size_t)m->n_domains + m->parts, sizeof *all), *here = all + m->n_domains;
     halo_clear(&m->halo);
-    if (!all)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
-    if (!ranks_agree(m->ranks, is_well(own), own)) {
-        free(all);
+    if (!find_reaches(m, own))
         return false;
-    }
-    for (uint32_t k = 0; k < m->parts; ++k)
-        here[k] = reach_of(m, &m->domains[k]);
-    ranks_gather(m->ranks, here, all, (int)(m->parts * sizeof *all));
     for (uint32_t k = 0; k < m->parts; ++k)
         for (uint64_t i = 0; i < m->domains[k].bodies.n; ++i)
-            add_ghosts_of(m, &m->domains[k], moving_body_at(m, &m->domains[k].bodies, i), all,
-                          &out);
+            add_ghosts_of(m, &m->domains[k], moving_body_at(m, &m->domains[k].bodies, i), &out);
     bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
     if (ok && is_well(own))
         note_ghosts(m);
     free(out.items);
-    free(all);
+    return ok;
+}
+
+// ---------------------------------------------------------------- contacts of ghosts
+
+// Items ascend by the domain of this rank, and then by id.
+static int compare_visits(const void *left, const void *right)
+{
+    const halo_item *a = left, *b = right;
+    if (a->domain != b->domain)
+        return a->domain < b->domain ? -1 : 1;
+    return a->id < b->id ? -1 : a->id > b->id;
+}
+
+// The first of the visits that an own body makes; the n-th: it makes none.
+static uint64_t first_visit(const item_list *visits, uint32_t domain, uint32_t id)
+{
+    const halo_item key = {.domain = domain, .id = id};
+    uint64_t low = 0, high = visits->n;
+    while (low < high) {
+        uint64_t middle = low + (high - low) / 2;
+        if (compare_visits((const halo_item *)visits->items + middle, &key) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+// A contact goes where its owner is a ghost: the other end is there, too, or it is dropped.
+static void list_shared(const moving *m, uint32_t domain, const item_list *visits, item_list *out)
+{
+    const moving_domain *d = &m->domains[domain];
+    for (uint64_t i = 0; i < d->contacts.n; ++i) {
+        const moving_contact *c = moving_contact_at(m, &d->contacts, i);
+        const halo_item *v = visits->items;
+        for (uint64_t k = first_visit(visits, domain, c->owner);
+             k < visits->n && v[k].domain == domain && v[k].id == c->owner; ++k) {
+            list_add(out, c, 1, m->contact_bytes);
+            if (!out->failed)
+                moving_contact_at(m, out, out->n - 1)->domain = v[k].to;
+        }
+    }
+}
+
+// If contacts of two ghosts are solved, too, they must be as at home.
+static bool share_contacts(moving *m, duet_error *own)
+{
+    item_list out = {0}, *visits = &m->halo.sent.items;
+    if (m->every == 1)
+        return true;
+    if (is_well(own) && visits->n > 0 && !visits->failed)
+        qsort(visits->items, visits->n, sizeof(halo_item), compare_visits);
+    for (uint32_t k = 0; is_well(own) && !visits->failed && k < m->parts; ++k)
+        list_shared(m, k, visits, &out);
+    bool ok = deal(m, &out, m->contact_bytes, contacts_of, own);
+    free(out.items);
     return ok;
 }
 
@@ -257,7 +327,7 @@ static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
     }
 }
 
-// A sleeper that leant on what is far away now wakes, as in match_contacts.cl.
+// An own sleeper that leant on what is far away now wakes, as in match_contacts.cl.
 static void wake_end(const moving *m, const moving_domain *d, const moving_contact *c,
                      uint32_t place, replacement *r)
 {
@@ -267,7 +337,8 @@ static void wake_end(const moving *m, const moving_domain *d, const moving_conta
     const float none = 0.0f;
     bool leant = (motion->effects & DUET_EFFECT_SLEEP) &&
                  domain_was_pushed(motion, (const float *)(const void *)(c + 1), points);
-    char *rest = place == UINT32_MAX ? NULL : r->states + place * state + domain_rest_at(motion);
+    char *rest =
+        !moving_owns(m, d, place) ? NULL : r->states + place * state + domain_rest_at(motion);
     cl_uint asleep = 0;
     if (rest)
         memcpy(&asleep, rest + sizeof none, sizeof asleep);
@@ -317,25 +388,47 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     domain_contacts_free(&r.contacts);
 }
 
-static void reserve_used(moving_domain *d, duet_error *own)
+static void note_kinds(const moving *m, moving_domain *d)
 {
-    uint32_t *used = realloc(d->used, (d->bodies.n + 1) * sizeof *used);
+    memset(d->kinds, 0, d->bodies.n + FIXED);
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        d->kinds[i] = (uint8_t)((moving_is_own(d, b) ? PLACE_OWN : 0) |
+                                (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
+                                (b->body.sensor ? PLACE_SENSOR : 0));
+    }
+}
+
+// All bodies are own ones until ghosts are noted.
+static void reserve_places(moving_domain *d, duet_error *own)
+{
+    const size_t n = d->bodies.n + FIXED, bytes = n * sizeof(uint32_t);
+    uint32_t *used = realloc(d->used, bytes), *ghost_at = realloc(d->ghost_at, bytes);
+    uint8_t *kinds = realloc(d->kinds, n);
     d->used = used ? used : d->used;
-    if (used)
-        memset(used, 0, d->bodies.n * sizeof *used);
-    else
+    d->ghost_at = ghost_at ? ghost_at : d->ghost_at;
+    d->kinds = kinds ? kinds : d->kinds;
+    list_clear(&d->left.list);
+    if (used && ghost_at && kinds) {
+        memset(used, 0, bytes);
+        memset(ghost_at, 0xFF, bytes);
+    } else {
         error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
+    }
 }
 
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
 {
     bool ok = moving_migrate(m, own);
     if (ok && moving_pushes(m))
-        ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
+        ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
+             share_contacts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
-        reserve_used(&m->domains[k], own);
+        reserve_places(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
+        if (is_well(own))
+            note_kinds(m, &m->domains[k]);
     }
     if (ok)
         moving_note_touching(m, own);

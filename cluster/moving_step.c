@@ -164,12 +164,12 @@ static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
     free(taken);
 }
 
-// Colours that leave no ghost of this rank wrong are solved together with the next one.
+// Colours after which no ghost of this rank goes or comes are solved together with the next one.
 static uint32_t end_of_colours(const moving *m, uint32_t from)
 {
     uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
     uint32_t to = from + 1;
-    while (to < colours && !halo_has_wrong(&m->halo, to - 1))
+    while (to < colours && !halo_comes(&m->halo, to - 1))
         ++to;
     return to;
 }
@@ -182,6 +182,7 @@ static void solve(moving *m, solve_pass pass, duet_error *own)
             solve_colours(m->domains[k].motion, from, to, pass, own);
         halo_exchange_after(&m->halo, m, to - 1, pass == SOLVE_RELAX, own);
     }
+    halo_exchange_after(&m->halo, m, HALO_END, pass == SOLVE_RELAX, own);
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
 }
@@ -279,6 +280,8 @@ static bool respond(moving *m, duet_error *own)
         return false;
     halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
+    if (!moving_refresh(m, own))
+        return false;
     if (t.sums[1] > 0)
         push_sleepers(m, own);
     each(m, domain_end_step, own);
@@ -309,12 +312,29 @@ bool moving_settle(moving *m, duet_error *own)
     return ok;
 }
 
-static bool is_within(const moving_body *b, const float bounds[6], uint32_t dims)
+bool moving_stays(const moving *m, uint32_t domain, const extent *old, const extent *now)
 {
-    bool within = true;
-    for (uint32_t k = 0; k < dims; ++k)
-        within = within && bounds[k] >= b->bounds[k] && bounds[k + 3] <= b->bounds[k + 3];
-    return within;
+    if (extent_within(now, old))
+        return true;
+    bool stays = extent_within(now, &m->reaches[domain]);
+    for (uint32_t k = 0; stays && k < m->n_domains; ++k)
+        stays = k == domain || !extents_meet(now, &m->reaches[k]) ||
+                extents_meet(old, &m->reaches[k]);
+    return stays;
+}
+
+static extent extent_of_bounds(const moving *m, const float bounds[6])
+{
+    const bool flat = m->def.dims == 2;
+    return (extent){{bounds[0], bounds[1], flat ? 0.0 : bounds[2]},
+                    {bounds[3], bounds[4], flat ? 0.0 : bounds[5]}};
+}
+
+static bool stays(const moving *m, const moving_domain *d, uint64_t place, const float bounds[6])
+{
+    const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, place)->bounds),
+                 now = extent_of_bounds(m, bounds);
+    return moving_stays(m, d->number, &old, &now);
 }
 
 // Whether pairs that the next step searches are all among the domain's bodies.
@@ -328,14 +348,13 @@ static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *o
         return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
     within = domain_read_bounds(d->motion, bounds, own);
     for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        within = !moving_is_own(d, b) || is_within(b, bounds + 6 * i, m->def.dims);
+        within = !(d->kinds[i] & PLACE_OWN) || stays(m, d, i, bounds + 6 * i);
     }
     free(bounds);
     return within;
 }
 
-// All ranks know whether a body has left what ghosts were chosen by.
+// All ranks know whether a body is to be a ghost elsewhere.
 static bool settle_where_due(moving *m, duet_error *own)
 {
     tally t = {.sums = {0}};

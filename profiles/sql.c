@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/sql.h"
 
+#include "base/list.h"
 #include "base/text_file.h"
 
 #include <cjson/cJSON.h>
@@ -320,19 +321,14 @@ int sql_read(const sql *q, int column, const sql_column *columns, void *row)
 void *sql_rows(sql *q, const sql_column *columns, size_t size, uint32_t *n)
 {
     char *rows = NULL;
-    uint32_t capacity = 0;
     for (*n = 0; sql_row(q); ++*n) {
-        if (*n == capacity) {
-            capacity = capacity ? 2 * capacity : 64;
-            char *grown = realloc(rows, capacity * size);
-            if (!grown) {
-                check(q, SQLITE_NOMEM);
-                break;
-            }
-            rows = grown;
+        char *grown = list_room(rows, *n, size, NULL);
+        if (!grown) {
+            check(q, SQLITE_NOMEM);
+            break;
         }
-        char *row = memset(rows + *n * size, 0, size);
-        sql_read(q, 0, columns, row);
+        rows = grown;
+        sql_read(q, 0, columns, memset(rows + *n * size, 0, size));
     }
     return rows;
 }

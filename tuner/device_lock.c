@@ -31,11 +31,6 @@ static lock_name name_of(const char *selector)
     return name;
 }
 
-static int compare_names(const lock_name *a, const lock_name *b)
-{
-    return memcmp(&a->address, &b->address, sizeof a->address);
-}
-
 // The socket, or -1 while another process has the name. 0: the system has no such sockets, and
 // nothing is locked.
 static int try_name(const lock_name *name)
@@ -98,7 +93,7 @@ bool device_lock_take(device_lock *lock, const duet_tune_def *def, duet_error *e
 {
     lock_name a = name_of(duet_device_pair_get_info(def->pair, 0)->selector);
     lock_name b = name_of(duet_device_pair_get_info(def->pair, 1)->selector);
-    int order = compare_names(&a, &b);
+    int order = memcmp(&a.address, &b.address, sizeof a.address);
     *lock = (device_lock){0};
     // All processes take them in this order, so that no two wait for each other.
     return wait_for(&lock->sockets[0], order <= 0 ? &a : &b, def, err) &&

@@ -77,19 +77,12 @@ static bool check_def(const duet_online_def *def, duet_error *err)
 
 // ---------------------------------------------------------------- plans
 
-static bool find_variant(const duet_online *o, const char *name, uint32_t *place)
+// The place of the variant, which is added if it is new.
+static bool list_variant(duet_online *o, const char *name, uint32_t *place, duet_error *err)
 {
     for (*place = 0; *place < o->n_variants; ++*place)
         if (strcmp(o->variants[*place], name) == 0)
             return true;
-    return false;
-}
-
-// The place of the variant, which is added if it is new.
-static bool list_variant(duet_online *o, const char *name, uint32_t *place, duet_error *err)
-{
-    if (find_variant(o, name, place))
-        return true;
     if (o->n_variants == PLAN_VARIANTS || strlen(name) >= DUET_VARIANT)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "variant '%.40s': expected at most %d variants, those of the world's plan "

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/duet_tune.h"
 
-#include "base/clock.h"
 #include "base/error.h"
 #include "gen/gen.h"
 #include "runtime/broadphase/variant.h"
@@ -230,34 +229,14 @@ static bool prepare(tuning_resources *h, const duet_tune_def *def, duet_error *e
 
 // ---------------------------------------------------------------- the level
 
-typedef struct cost_watching {
-    const tuning_resources *h;
-    uint64_t begun_ns;
-} cost_watching;
-
-static bool watch_costs(void *context, uint64_t done, uint64_t steps)
-{
-    const cost_watching *w = context;
-    const duet_tune_def *def = &w->h->def;
-    (void)steps;
-    duet_tune_progress progress = {
-        .stage = "level",
-        .plan = &w->h->subject.plan,
-        .launches = (uint32_t)done,
-        .seconds = (double)(clock_steady_ns() - w->begun_ns) * 1e-9,
-    };
-    return !def->watch || def->watch(def->watch_context, &progress);
-}
-
 static bool measure_level_costs(tuning_resources *h, profile_level_cost *stored, uint32_t *n,
                                 core_tally *cores, duet_error *err)
 {
-    cost_watching w = {h, clock_steady_ns()};
     level_costs_def def = {.pair = h->def.pair,
                            .scene = h->def.scene,
                            .rounds = CHOICE_ROUNDS,
-                           .watch = watch_costs,
-                           .watch_context = &w};
+                           .watch = h->def.watch,
+                           .watch_context = h->def.watch_context};
     level_costs p;
     if (!level_costs_measure(&p, &def, err))
         return false;

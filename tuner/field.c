@@ -31,21 +31,17 @@ static void drop_hopeless(field *f)
     }
 }
 
-// Returns the time to compare: of the stages in focus, or of A's part, or of the step.
-static double time_of(const tuning *t, const trial *got, bool of_a)
-{
-    uint64_t step = of_a ? got->sample.a_ns : got->sample.total_ns;
-    return (double)(t->focus.stages ? got->focus_ns : step);
-}
-
 void field_race(tuning *t, field *f, const race_options *options)
 {
     uint32_t rival;
     f->race = race_begin(f->n, options);
     while (tuning_goes_on(t) && race_next(&f->race, &rival)) {
         trial got = tuning_run_trial(t, &f->plans[rival]);
+        uint64_t ns = t->focus.stages ? got.focus_ns
+                      : f->of_a       ? got.sample.a_ns
+                                      : got.sample.total_ns;
         if (got.usable)
-            race_add(&f->race, rival, time_of(t, &got, f->of_a));
+            race_add(&f->race, rival, (double)ns);
         else
             race_drop(&f->race, rival);
         drop_hopeless(f);

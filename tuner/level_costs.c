@@ -2,6 +2,7 @@
 #include "tuner/level_costs.h"
 
 #include "base/budget.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "runtime/scene/scene.h"
 #include "runtime/scene/sorted_pairs.h"
@@ -25,6 +26,7 @@ typedef struct survey {
     duet_plan plan;
     duet_pair *truth;
     core_watch *cores;
+    uint64_t begun_ns;
     double ms[2 * DUET_LEVELS][LEVEL_COSTS_ROUNDS];
     duet_result result; // the last step's result
 } survey;
@@ -76,17 +78,13 @@ static bool compare(survey *s, level_cost *row, duet_error *err)
 
 // ---------------------------------------------------------------- times
 
-static bool hand_over(survey *s, duet_error *err)
+static bool step(survey *s, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(s->scene);
     duet_object_kind kind = scene_kind(info);
     return duet_world_set_objects(s->world, kind, duet_scene_get_objects(s->scene, kind), info->n,
-                                  err);
-}
-
-static bool step(survey *s, duet_error *err)
-{
-    return hand_over(s, err) && duet_world_step(s->world, &s->result, err);
+                                  err) &&
+           duet_world_step(s->world, &s->result, err);
 }
 
 enum { TRIES = 4 };
@@ -117,17 +115,27 @@ static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
     return ok;
 }
 
+static bool tell_watcher(const survey *s, uint64_t done)
+{
+    const level_costs_def *def = s->def;
+    const duet_tune_progress progress = {.stage = "level",
+                                         .plan = &s->plan,
+                                         .launches = (uint32_t)done,
+                                         .seconds = clock_ms_since(s->begun_ns) * 1e-3};
+    return !def->watch || def->watch(def->watch_context, &progress);
+}
+
 static bool run_rounds(survey *s, duet_error *err)
 {
     const level_costs_def *def = s->def;
     level_costs *p = s->costs;
-    uint64_t steps = (uint64_t)def->rounds * p->n, done = 0;
+    uint64_t done = 0;
     bool more = true;
     while (more && p->rounds < def->rounds) {
         for (uint32_t at = 0; more && at < p->n; ++at) {
             if (!visit(s, at, p->rounds, err))
                 return false;
-            more = !def->watch || def->watch(def->watch_context, ++done, steps);
+            more = tell_watcher(s, ++done);
         }
         p->rounds += done == (uint64_t)(p->rounds + 1) * p->n;
     }
@@ -223,7 +231,8 @@ bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error 
                 .def = def,
                 .scene = def->scene,
                 .plan = world.plan,
-                .cores = core_watch_open()};
+                .cores = core_watch_open(),
+                .begun_ns = clock_steady_ns()};
     s.world = duet_world_create(&world, err);
     bool ok = s.world && duet_world_set_scene(s.world, s.scene, err) &&
               duet_reference(s.scene, DUET_LEVEL_CERTIFIED, &s.truth, &p->truth, err) &&

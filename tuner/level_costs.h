@@ -7,7 +7,7 @@
 #include "base/core_watch.h"
 #include "profiles/level_cost.h"
 #include "profiles/profile.h"
-#include "runtime/duet.h"
+#include "tuner/duet_tune.h"
 
 enum { LEVEL_COSTS_ROUNDS = 100, LEVEL_COSTS_BOTH = 2 };
 
@@ -36,15 +36,12 @@ typedef struct level_costs {
     core_tally cores; // other programs' use of the cores meanwhile
 } level_costs;
 
-// Called after each step; false ends the measurement with the whole rounds until then.
-typedef bool level_costs_watch(void *context, uint64_t done, uint64_t steps);
-
 typedef struct level_costs_def {
     duet_device_pair *pair;
     const duet_scene *scene;
     bool alone; // each device alone; else both by the default plan
     uint32_t rounds;
-    level_costs_watch *watch;
+    duet_tune_watch *watch; // told after each step; false ends it with the whole rounds until then
     void *watch_context;
 } level_costs_def;
 

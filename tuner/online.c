@@ -17,11 +17,6 @@
 #define LIMIT 12.0
 #define MOST_A_STEP 4.0 // so that a hiccup of one step does not raise it
 
-static double clamp(double x, double most)
-{
-    return fmin(most, fmax(-most, x));
-}
-
 bool drift_update(drift *d, double measured_ns, double expected_ns)
 {
     if (!(measured_ns > 0 && expected_ns > 0))
@@ -29,7 +24,8 @@ bool drift_update(drift *d, double measured_ns, double expected_ns)
     if (d->n++ == 0)
         d->variance = LEAST_DEVIATION * LEAST_DEVIATION;
     double deviation = fmax(LEAST_DEVIATION, sqrt(d->variance));
-    double x = clamp(log(measured_ns / expected_ns), MOST_A_STEP * deviation);
+    double most = MOST_A_STEP * deviation;
+    double x = fmin(most, fmax(-most, log(measured_ns / expected_ns)));
     double off = x - d->mean;
     d->mean += SMOOTHING * off;
     d->variance = (1 - SMOOTHING) * (d->variance + SMOOTHING * off * off);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/search.h"
 
-#include "base/budget.h"
+#include "base/list.h"
 #include "tuner/stats.h"
 #include "tuner/strategy.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,17 +28,10 @@ bool search_ask(const search *s, search_next *next, duet_error *err)
 
 bool search_tell(search *s, const search_sample *sample, duet_error *err)
 {
-    if (s->n == s->capacity) {
-        uint32_t capacity = s->capacity ? 2 * s->capacity : 32;
-        if (!budget_space(capacity * sizeof *s->samples, err))
-            return false;
-        search_sample *grown = realloc(s->samples, capacity * sizeof *grown);
-        if (!grown)
-            return error_set(err, DUET_STATUS_NO_MEMORY,
-                             "a search of %" PRIu32 " launches: no memory", s->n + 1);
-        s->samples = grown;
-        s->capacity = capacity;
-    }
+    search_sample *samples = list_room(s->samples, s->n, sizeof *samples, err);
+    if (!samples)
+        return false;
+    s->samples = samples;
     s->samples[s->n++] = *sample;
     return true;
 }

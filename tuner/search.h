@@ -54,7 +54,6 @@ typedef struct search {
     uint64_t seed;
     search_sample *samples; // in the order they were measured
     uint32_t n;
-    uint32_t capacity;
 } search;
 
 // strategy.h begins one.

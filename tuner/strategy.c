@@ -23,15 +23,10 @@ typedef struct ends {
     bool stopped;
 } ends;
 
-static const search_sample *slower_end(const ends *e)
-{
-    return e->up.total_ns >= e->down.total_ns ? &e->up : &e->down;
-}
-
 // One step of figure 12: a middle that beats the slower end replaces it.
 static void move_end(ends *e, const search_sample *middle)
 {
-    const search_sample *slower = slower_end(e);
+    const search_sample *slower = e->up.total_ns >= e->down.total_ns ? &e->up : &e->down;
     if (middle->total_ns >= slower->total_ns)
         e->stopped = true;
     else if (slower == &e->up)

@@ -7,70 +7,45 @@
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-typedef struct run_state {
-    duet_motion_def def;
-    const duet_scene *scene;
-    uint32_t steps;      // steps of each run
-    duet_motion *motion; // the last run's motion, NULL if it could not begin; at first a motion
-                         // that has not moved
-    core_watch *cores;   // NULL: nobody looks at other programs
-} run_state;
+// Its state is the last run's motion, NULL if it could not begin; at first one that has not moved.
 
 // ---------------------------------------------------------------- owner
 
 // From the scene's start again.
-static bool begin(run_state *q, const duet_plan *plan, bool staged, duet_error *err)
+static bool begin(subject *s, const duet_plan *plan, bool staged, duet_error *err)
 {
-    duet_motion_def def = q->def;
+    duet_motion_def def = duet_scene_motion_def(s->def->scene, s->pair);
     def.plan = *plan;
     def.stage_times = staged;
-    duet_motion_destroy(q->motion);
-    q->motion = duet_motion_create_from_scene(&def, q->scene, NULL, err);
-    return q->motion;
-}
-
-// Whether both devices have something to do: pairs are searched, by two devices.
-static bool is_shared(const run_state *q)
-{
-    return (q->motion->effects & DUET_EFFECT_CONTACT) && !duet_device_pair_is_one(q->def.pair);
+    duet_motion_destroy(s->state);
+    s->state = duet_motion_create_from_scene(&def, s->def->scene, NULL, err);
+    return s->state;
 }
 
 // The first step of a run, which builds kernels and makes space, does not count.
 static bool open(subject *s, duet_error *err)
 {
-    run_state *q = s->state = calloc(1, sizeof *q);
-    if (!q)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
-    *q = (run_state){.def = duet_scene_motion_def(s->def->scene, s->pair),
-                     .scene = s->def->scene,
-                     .steps = s->def->steps,
-                     .cores = s->cores};
-    if (q->steps < 2)
+    if (s->def->steps < 2)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "a run of %u step has none that counts, since the first builds kernels; "
                          "expected 2 or more",
-                         q->steps);
-    if (!begin(q, &s->plan, false, err))
+                         s->def->steps);
+    if (!begin(s, &s->plan, false, err))
         return false;
-    s->units = duet_scene_get_info(q->scene)->n;
-    s->one_device = !is_shared(q);
+    s->units = duet_scene_get_info(s->def->scene)->n;
+    // Both devices have something to do if pairs are searched.
+    s->one_device |= !(((duet_motion *)s->state)->effects & DUET_EFFECT_CONTACT);
     return true;
 }
 
 static void close(subject *s)
 {
-    run_state *q = s->state;
-    if (q)
-        duet_motion_destroy(q->motion);
-    free(q);
+    duet_motion_destroy(s->state);
 }
 
 static bool describe(subject *s, profile_subject *p, duet_error *err)
 {
-    return profile_subject_read_motion(((run_state *)s->state)->motion, p, err);
+    return profile_subject_read_motion(s->state, p, err);
 }
 
 // ---------------------------------------------------------------- a run
@@ -112,23 +87,23 @@ static void add_step(sums *s, const duet_motion *m, const duet_motion_result *st
         add_stages(s, found->stages, found->n_stages);
 }
 
-static bool run(run_state *q, const duet_plan *plan, bool staged, sums *s, duet_error *err)
+static bool run(subject *s, const duet_plan *plan, bool staged, sums *sum, duet_error *err)
 {
     duet_motion_result step;
-    bool ok = begin(q, plan, staged, err) && duet_motion_advance(q->motion, &step, err);
-    measure_watch(q->cores, q->def.pair);
-    for (uint32_t i = 1; ok && i < q->steps; ++i) {
-        ok = duet_motion_advance(q->motion, &step, err);
+    bool ok = begin(s, plan, staged, err) && duet_motion_advance(s->state, &step, err);
+    measure_watch(s->cores, s->pair);
+    for (uint32_t i = 1; ok && i < s->def->steps; ++i) {
+        ok = duet_motion_advance(s->state, &step, err);
         if (ok)
-            add_step(s, q->motion, &step);
+            add_step(sum, s->state, &step);
     }
-    s->use = core_watch_stop(q->cores);
+    sum->use = core_watch_stop(s->cores);
     return ok;
 }
 
-static int64_t mean_ns(const run_state *q, double ms)
+static int64_t mean_ns(const subject *s, double ms)
 {
-    return (int64_t)(ms * 1e6 / (q->steps - 1) + 0.5);
+    return (int64_t)(ms * 1e6 / (s->def->steps - 1) + 0.5);
 }
 
 // A launch's times are those of a step in the mean of the run, as an application pays for it: most
@@ -136,20 +111,20 @@ static int64_t mean_ns(const run_state *q, double ms)
 static bool launch_motion(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
                           duet_error *err)
 {
-    run_state *q = ((subject *)context)->state;
-    sums s = {0};
+    subject *s = context;
+    sums sum = {0};
     *launch = (measure_launch){0};
-    if (!run(q, plan, staged, &s, err) || !duet_motion_get_hash(q->motion, &launch->hash, err))
+    if (!run(s, plan, staged, &sum, err) || !duet_motion_get_hash(s->state, &launch->hash, err))
         return false;
     bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
-    launch->use = s.use;
-    launch->total_ns = mean_ns(q, s.total_ms);
-    launch->a_ns = a ? mean_ns(q, s.search_ms[0]) : 0;
-    launch->b_ns = b ? mean_ns(q, s.search_ms[1]) : 0;
-    launch->n_stages = s.n_stages;
-    for (uint32_t i = 0; i < s.n_stages; ++i) {
-        launch->stages[i] = s.stages[i];
-        launch->stages[i].ms /= q->steps - 1;
+    launch->use = sum.use;
+    launch->total_ns = mean_ns(s, sum.total_ms);
+    launch->a_ns = a ? mean_ns(s, sum.search_ms[0]) : 0;
+    launch->b_ns = b ? mean_ns(s, sum.search_ms[1]) : 0;
+    launch->n_stages = sum.n_stages;
+    for (uint32_t i = 0; i < sum.n_stages; ++i) {
+        launch->stages[i] = sum.stages[i];
+        launch->stages[i].ms /= s->def->steps - 1;
     }
     return true;
 }
@@ -167,22 +142,21 @@ static bool find_truth(subject *s, subject_truth *truth, duet_error *err)
 
 // ---------------------------------------------------------------- kernels
 
-static bool has_run(const run_state *q, const duet_plan *plan)
+static bool has_run(const duet_motion *m, const duet_plan *plan)
 {
-    const duet_plan *last = q->motion ? &q->motion->def.plan : NULL;
-    return last && q->motion->step > 0 && trial_log_same_plan(last, plan);
+    return m && m->step > 0 && trial_log_same_plan(&m->def.plan, plan);
 }
 
-// B's kernels of the motion, and both devices' kernels
-// that search pairs. Runs the motion unless its last run was by that plan.
+// B's kernels of the motion, and both devices' kernels that search pairs. Runs the motion unless
+// its last run was by that plan.
 static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_spaces *to,
                          duet_error *err)
 {
-    run_state *q = ((subject *)context)->state;
-    sums s = {0};
-    if (!has_run(q, plan) && !run(q, plan, false, &s, err))
+    subject *s = context;
+    sums sum = {0};
+    if (!has_run(s->state, plan) && !run(s, plan, false, &sum, err))
         return false;
-    duet_motion *m = q->motion;
+    duet_motion *m = s->state;
     bool searches = m->graph.world && world_is_prepared(m->graph.world, side);
     return (side == 0 || motion_kernel_spaces(m, to, err)) &&
            (!searches || kernel_spaces_read(m->graph.world, side, to, err));

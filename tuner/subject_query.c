@@ -27,11 +27,11 @@ static bool check(const duet_tune_def *def, duet_error *err)
 
 // ---------------------------------------------------------------- owner
 
-static bool open_tree(query *q, duet_device_pair *pair, const duet_scene_info *info,
-                      const void *objects, duet_error *err)
+static bool open_tree(subject *s, const duet_scene_info *info, const void *objects, duet_error *err)
 {
+    query *q = s->state;
     duet_tree_def def = duet_default_tree_def();
-    def.pair = pair;
+    def.pair = s->pair;
     def.dims = info->dims;
     def.shape = info->shape;
     def.origin_edge = info->origin_edge;
@@ -39,20 +39,19 @@ static bool open_tree(query *q, duet_device_pair *pair, const duet_scene_info *i
     return q->tree && duet_tree_set_objects(q->tree, scene_kind(info), objects, info->n, err);
 }
 
-static bool open_query(query *q, duet_device_pair *pair, const duet_scene *scene, uint64_t seed,
-                       duet_error *err)
+static bool open_query(subject *s, const duet_scene_info *info, duet_error *err)
 {
-    const duet_scene_info *info = duet_scene_get_info(scene);
-    const void *objects = duet_scene_get_objects(scene, scene_kind(info));
+    query *q = s->state;
+    const void *objects = duet_scene_get_objects(s->def->scene, scene_kind(info));
     if (q->n == 0 || q->n > UINT32_MAX || info->n == 0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%llu items of a query of %u objects; expected 1 or more of both, and "
                          "fewer than 2^32",
                          (unsigned long long)q->n, info->n);
-    if (!open_tree(q, pair, info, objects, err))
+    if (!open_tree(s, info, objects, err))
         return false;
     const item_objects among = {objects, info->n, info->dims, info->shape, info->origin_edge};
-    if (!q->name.itself && !(q->items = item_draw(&q->name, q->n, &among, seed, err)))
+    if (!q->name.itself && !(q->items = item_draw(&q->name, q->n, &among, s->def->seed, err)))
         return false;
     q->query = any_query_create(q->tree, &(any_query_def){.name = q->name}, err);
     return q->query;
@@ -68,7 +67,7 @@ static bool open(subject *s, duet_error *err)
         return false;
     q->n = s->def->items && !q->name.itself ? s->def->items : info->n;
     s->units = q->n;
-    return open_query(q, s->pair, s->def->scene, s->def->seed, err);
+    return open_query(s, info, err);
 }
 
 static void close(subject *s)

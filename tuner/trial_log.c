@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/trial_log.h"
 
+#include "base/list.h"
 #include "tuner/terms.h"
 
 #include <cjson/cJSON.h>
@@ -16,15 +17,10 @@ void trial_log_free(trial_log *t)
 
 bool trial_log_add(trial_log *t, const trial *entry, duet_error *err)
 {
-    if (t->n == t->capacity) {
-        uint32_t capacity = t->capacity ? 2 * t->capacity : 64;
-        trial *grown = realloc(t->entries, capacity * sizeof *grown);
-        if (!grown)
-            return error_set(err, DUET_STATUS_NO_MEMORY,
-                             "a tuning of %" PRIu32 " trials: no memory", t->n + 1);
-        t->entries = grown;
-        t->capacity = capacity;
-    }
+    trial *entries = list_room(t->entries, t->n, sizeof *entries, err);
+    if (!entries)
+        return false;
+    t->entries = entries;
     t->entries[t->n++] = *entry;
     return true;
 }

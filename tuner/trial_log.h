@@ -26,7 +26,6 @@ typedef struct trial {
 typedef struct trial_log {
     trial *entries;
     uint32_t n;
-    uint32_t capacity;
     uint32_t played; // entries that were served again
 } trial_log;
 

@@ -212,13 +212,6 @@ static void read_levels(lua_State *L, tune_config *c)
             field_raise(L, "level", "there is no level '%s'", names[i]);
 }
 
-static void read_accuracy(lua_State *L, tune_config *c)
-{
-    c->def.has_accuracy = accuracy_read(L, ROOT, &c->def.accuracy);
-    if (c->def.n_levels > 1 && !c->def.has_accuracy)
-        field_raise(L, "level", "several levels need an accuracy that one is chosen by");
-}
-
 static uint32_t read_count(lua_State *L, int table, const char *name, int64_t most)
 {
     int64_t count = field_integer(L, table, name, 0);
@@ -261,7 +254,9 @@ static int read_config(lua_State *L)
     read_modes(L, c);
     read_budget(L, c);
     read_levels(L, c);
-    read_accuracy(L, c);
+    c->def.has_accuracy = accuracy_read(L, ROOT, &c->def.accuracy);
+    if (c->def.n_levels > 1 && !c->def.has_accuracy)
+        field_raise(L, "level", "several levels need an accuracy that one is chosen by");
     c->def.n_variants = read_list(L, "variants", c->variants, CONFIG_VARIANTS);
     c->def.search = field_string(L, ROOT, "search", NULL);
     c->pair = field_string(L, ROOT, "pair", NULL);

@@ -200,20 +200,15 @@ static bool is_warm(const tuning *t, const duet_plan *plan)
     return warm;
 }
 
-static measure_way way_of(const tuning *t, const duet_plan *plan)
-{
-    return (measure_way){.repeats = t->repeats,
-                         .warm = is_warm(t, plan),
-                         .staged = t->focus.stages,
-                         .meter = t->problem->meter};
-}
-
 static bool measure_live(tuning *t, const duet_plan *plan, trial *got)
 {
     const tune_recorder *recorder = &t->problem->recorder;
+    const measure_way way = {.repeats = t->repeats,
+                             .warm = is_warm(t, plan),
+                             .staged = t->focus.stages,
+                             .meter = t->problem->meter};
     measurement m;
-    if (!budget_check(&t->why) ||
-        !measure_in_quiet(t, &t->problem->machine, plan, way_of(t, plan), &m))
+    if (!budget_check(&t->why) || !measure_in_quiet(t, &t->problem->machine, plan, way, &m))
         return false;
     *got = m.trial;
     if (got->usable && t->focus.stages)

@@ -161,12 +161,6 @@ typedef struct expectation {
     uint32_t n;
 } expectation;
 
-static bool has_usual_kernels(const tuning *t)
-{
-    return tune_has_variant(t->problem->def, t->problem->plan.variant_a) &&
-           tune_has_variant(t->problem->def, t->problem->plan.variant_b);
-}
-
 static expectation expect_plans(const tuning *t, const duet_plan *shared)
 {
     expectation e = {.plans[0] = *shared, .n = t->problem->fair > 0 ? 1 : 0};
@@ -178,7 +172,9 @@ static expectation expect_plans(const tuning *t, const duet_plan *shared)
     for (int device = 0; device < 2; ++device)
         plan_set_variant(&e.plans[1], device, plan_variant(&t->problem->plan, device));
     // A search of kernels' parameters has proven that they are faster.
-    if (e.n > 0 && !t->problem->def->search && has_usual_kernels(t))
+    const duet_tune_def *def = t->problem->def;
+    if (e.n > 0 && !def->search && tune_has_variant(def, t->problem->plan.variant_a) &&
+        tune_has_variant(def, t->problem->plan.variant_b))
         e.n = 2;
     return e;
 }
@@ -222,13 +218,6 @@ static uint32_t best_finalist(const field *f, const expectation *e)
     return best;
 }
 
-// The budget may have ended before or in this race: then the first one's samples
-// must do.
-static bool is_complete(const field *f, uint32_t best)
-{
-    return best < f->n && race_rounds(&f->race, best, 0) >= LEAST_RACED;
-}
-
 // Without a rival: the time of a step, and its interval.
 static void run_alone(tuning *t, field *f)
 {
@@ -263,7 +252,8 @@ void verdict_reach(tuning *t)
         expectation e = expect_plans(t, &all.plans[shared]);
         race_finalists(t, &all.plans[alone], &all.plans[shared], &e, &finalists);
         uint32_t best = best_finalist(&finalists, &e);
-        if (is_complete(&finalists, best))
+        // The budget may have ended before or in this race: then the first one's samples must do.
+        if (best < finalists.n && race_rounds(&finalists.race, best, 0) >= LEAST_RACED)
             judge(t, &finalists, 0, best);
         else
             judge(t, &all, alone, shared);

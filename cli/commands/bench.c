@@ -12,6 +12,7 @@
 #include "cli/report/rendering.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "cli/timed_task.h"
 #include "tuner/trial_log.h"
 #include "tuner/tuning.h"
 
@@ -21,6 +22,8 @@
 typedef struct arguments {
     const char *pair;
     const char *scene;
+    const char *task;
+    scene_options size; // the task's
     const char *out;
     const char *against;
     uint64_t repeat;
@@ -32,12 +35,20 @@ static const option options[] = {
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("scene", scene, "NAME",
                 "measure this scene only: paper, paper2d, clustered, mixed, planes, falling"),
+    OPTION_INPUT("task", task, "FILE", "measure a kernel of your own instead: a task file"),
+    OPTION_COUNT("objects", size.n, "N", "the task's size", 0, DUET_MOST_OBJECTS),
     OPTION_OUTPUT("output", out, "FILE.json", "write the results, with all samples"),
     OPTION_INPUT("against", against, "OLD.json", "compare with results written by --output"),
     OPTION_COUNT("repeat", repeat, "K", "steps of each plan, after one to warm up (9)", 1,
                  BENCH_SAMPLES_MOST),
     OPTION_FLAG("quick", quick, "use small scenes, to see in seconds that all works"),
     OPTION_FLAG("json", json, "print one JSON object, as --output writes it"),
+    {0},
+};
+
+static const option_rule rules[] = {
+    {"objects", OPTION_NEEDS, "task"},
+    {"scene quick", OPTION_EXCLUDES, "task"},
     {0},
 };
 
@@ -49,6 +60,7 @@ static const command_line line = {
              "on a sixth. --against says what became faster or slower; the exit status is 1\n"
              "if something surely became slower.",
     .options = options,
+    .rules = rules,
 };
 
 // ---------------------------------------------------------------- the standard set
@@ -353,10 +365,79 @@ static void tell_stopped(const bench *b, uint32_t n, duet_error *err)
               table_things(n, "case", "cases").chars);
 }
 
+// ---------------------------------------------------------------- a task
+
+static uint32_t task_plans(const duet_device_pair *pair, duet_plan plans[BENCH_PLANS_MOST])
+{
+    plan_list list = {plans, 0};
+    duet_plan plan = {.mode = DUET_MODE_OWN};
+    plan_set_variants(&plan, "auto");
+    for (size_t i = 0; i < (duet_device_pair_is_one(pair) ? 1 : sizeof shares / sizeof *shares);
+         ++i) {
+        plan.share = shares[i];
+        add(&list, &plan);
+    }
+    return list.n;
+}
+
+static bool measure_launches(bench *b, task_launcher *l, const duet_scene_info *info,
+                             const duet_plan *plan, duet_error *err)
+{
+    duet_error failure = {0};
+    timed t = {0};
+    bool ok = timed_task_run(&t, l, b->pair, plan, (uint32_t)b->args->repeat, &failure);
+    if (ok)
+        bench_add(b->results, info, plan, &t, NULL);
+    else
+        ok = keep_failure(b, info, plan, &failure, err);
+    timed_free(&t);
+    progress_show(&b->shown, ++b->done);
+    return ok && interrupt_check(err);
+}
+
+// A scene has fewer objects than a task may have items.
+static void set_items(const cJSON *results, uint64_t items)
+{
+    cJSON *one;
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(results, "cases"))
+        cJSON_SetNumberValue(cJSON_GetObjectItem(one, "objects"), (double)items);
+}
+
+static bool measure_shares(bench *b, const task *t, task_launcher *l, duet_error *err)
+{
+    duet_plan plans[BENCH_PLANS_MOST];
+    const duet_scene_info info = {.name = t->name};
+    uint32_t n = task_plans(b->pair, plans);
+    bool ok = true;
+    b->shown = progress_begin("case", n);
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = measure_launches(b, l, &info, &plans[i], err);
+    progress_end(&b->shown);
+    set_items(b->results, t->items);
+    bench_compare(b->results, b->before);
+    if (b->tells) {
+        begin_block(b);
+        ok = bench_tell(b->results, t->name, b->before, err) && ok;
+    }
+    return ok;
+}
+
+static bool measure_task(bench *b, duet_error *err)
+{
+    task *t = inputs_load_task(b->args->task, &b->args->size, err);
+    task_launcher *l = t ? task_launcher_open(t, b->pair, err) : NULL;
+    bool ok = l && measure_shares(b, t, l, err);
+    task_launcher_close(l);
+    task_destroy(t);
+    return ok;
+}
+
+// ---------------------------------------------------------------- all
+
 static bool measure_all(bench *b, duet_error *err)
 {
     b->results = bench_begin(b->pair, b->args->quick);
-    bool ok = measure_scenes(b, err);
+    bool ok = b->args->task ? measure_task(b, err) : measure_scenes(b, err);
     char slower[BENCH_NAME];
     uint32_t n_slower = 0;
     uint32_t n_results = count_results(b);
@@ -391,6 +472,6 @@ static bool run(void *given, char **operands, duet_error *err)
 
 int command_bench(int argc, char **argv)
 {
-    arguments args = {.repeat = 9};
+    arguments args = {.repeat = 9, .size = SCENE_OPTIONS_DEFAULT};
     return options_run(&line, argc, argv, &args, run);
 }

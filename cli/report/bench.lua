@@ -34,7 +34,11 @@ local function tell_scene(o)
   for _, one in ipairs(o.results.cases) do
     if one.scene == o.scene then
       if not row then
-        line("%s, %s, %.0fD", one.scene, report.things(one.objects, "object", "objects"), number(one, "dims"))
+        if number(one, "dims") == 0 then
+          line("task %s, %s", one.scene, report.things(one.objects, "item", "items"))
+        else
+          line("%s, %s, %.0fD", one.scene, report.things(one.objects, "object", "objects"), number(one, "dims"))
+        end
         row = report.columns((shared and "rl" or "") .. "lrrr" .. (shared and "rr" or "") .. (o.before and "rrrrl" or ""))
         if shared then row("share", "mode") end
         row("kernels", "ms", "from", "to")

@@ -11,26 +11,32 @@
 #include <math.h>
 #include <stdio.h>
 
-static bool watch(void *shown, uint64_t done, uint64_t steps)
+typedef struct watched {
+    progress shown;
+    const level_costs *costs;
+    uint32_t rounds;
+} watched;
+
+static bool watch(void *context, const duet_tune_progress *p)
 {
-    progress *p = shown;
-    p->total = steps;
-    progress_show(p, done);
+    watched *w = context;
+    w->shown.total = (uint64_t)w->rounds * w->costs->n;
+    progress_show(&w->shown, p->launches);
     return !interrupt_asked();
 }
 
 bool level_costs_show(level_costs *p, duet_device_pair *pair, const duet_scene *scene,
                       uint32_t rounds, duet_error *err)
 {
-    progress shown = progress_begin("step", 0);
+    watched w = {progress_begin("step", 0), p, rounds};
     level_costs_def def = {.pair = pair,
                            .scene = scene,
                            .alone = true,
                            .rounds = rounds,
                            .watch = watch,
-                           .watch_context = &shown};
+                           .watch_context = &w};
     bool ok = level_costs_measure(p, &def, err);
-    progress_end(&shown);
+    progress_end(&w.shown);
     return ok;
 }
 

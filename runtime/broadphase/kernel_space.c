@@ -2,6 +2,7 @@
 #include "runtime/broadphase/kernel_space.h"
 
 #include "base/error.h"
+#include "base/list.h"
 #include "runtime/broadphase/world.h"
 
 #include <assert.h>
@@ -139,10 +140,10 @@ void kernel_spaces_free(kernel_spaces *s)
 
 bool kernel_spaces_add(kernel_spaces *s, const kernel_space *space, duet_error *err)
 {
-    kernel_space *grown = realloc(s->of, (s->n + 1) * sizeof *grown);
-    if (!grown)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for kernels' configs");
-    s->of = grown;
+    kernel_space *of = list_room(s->of, s->n, sizeof *of, err);
+    if (!of)
+        return false;
+    s->of = of;
     s->of[s->n++] = *space;
     return true;
 }

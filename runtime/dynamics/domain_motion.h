@@ -20,6 +20,10 @@ typedef struct domain_contacts {
 
 void domain_contacts_free(domain_contacts *c);
 
+// Memory for c->n contacts of the motion; freed also after a failure.
+bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,
+                             duet_error *err);
+
 // Makes a motion without bodies, as a part of one of a def whose substeps are chosen, and of bodies
 // with these facts and this mean least extent.
 duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts, double extent,
@@ -52,6 +56,22 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 
 // Reads contacts, which the caller frees.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
+
+// Reads c->n contacts of so many rows, all but their links, and writes them.
+bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, duet_error *err);
+bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
+                       duet_error *err);
+
+// Two parts of a row by object, in words: where they begin, and how long they are.
+typedef struct row_parts {
+    uint32_t at[2], words[2];
+} row_parts;
+
+// Reads parts of the rows of n places, each place once, one behind the other; and writes them.
+bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                      const uint32_t *places, uint32_t n, void *packed, duet_error *err);
+bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                        const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 
 // With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
 // in a step; and makes that what touches before the next step, which duet_motion_advance takes.

@@ -137,9 +137,10 @@ void domain_contacts_free(domain_contacts *c)
     *c = (domain_contacts){0};
 }
 
-static bool reserve(domain_contacts *c, size_t record, duet_error *err)
+bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,
+                             duet_error *err)
 {
-    size_t n = (size_t)c->n + 1;
+    size_t n = (size_t)c->n + 1, record = with_records ? m->layout.record * sizeof(float) : 0;
     c->links = malloc(n * sizeof *c->links);
     c->touches = malloc(n * sizeof *c->touches);
     c->colours = malloc(n * sizeof *c->colours);
@@ -153,7 +154,7 @@ bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c,
     size_t record = with_records ? m->layout.record * sizeof(float) : 0;
     *c = (domain_contacts){.n = m->n > 0 ? m->graph.n_contacts : 0};
     size_t n = c->n;
-    bool ok = reserve(c, record, err) &&
+    bool ok = domain_contacts_reserve(c, m, with_records, err) &&
               (n == 0 ||
                (motion_fetch(m, stage, LINKS, 0, c->links, n * sizeof *c->links, err) &&
                 motion_fetch(m, stage, TOUCHES, 0, c->touches, n * sizeof *c->touches, err) &&

@@ -4,8 +4,8 @@
 //
 // Both stand in the text of a variant. A world knows no kernels of motions, so it is given the
 // text without these; what the text sets of them for device A has no meaning, since B has the
-// state. The skin stands there too, as "motion.skin": how long pairs last is a matter of time, and
-// changes no bit.
+// state. What is set of the motion itself stands there too, as "motion.skin": how long pairs last,
+// and how often ranks exchange ghosts, is a matter of time, and changes no bit.
 #define _POSIX_C_SOURCE 200809L // strtok_r
 #include "runtime/dynamics/motion_plan.h"
 
@@ -25,7 +25,7 @@ const motion_plan_kernel motion_plan_kernels[MOTION_PLAN_KERNELS] = {
     {"solve_shocks", {"solve_contacts"}},
 };
 
-enum { MOST_SKIN = 1000 };
+enum { MOST_SKIN = 1000, MOST_COLOURS = COLOUR_OVERFLOW };
 
 // ---------------------------------------------------------------- text
 
@@ -60,27 +60,38 @@ static void part_text(const char text[DUET_VARIANT], char search[DUET_VARIANT],
         add_word(is_of_motion(word) ? own : search, word);
 }
 
-static bool take_skin(motion_plan *p, const variant_setting *s, duet_error *err)
+typedef struct own_setting {
+    const char *name;
+    uint32_t *value, most;
+} own_setting;
+
+// What is set of the motion itself, and of no kernel.
+static bool take_own(motion_plan *p, const variant_setting *s, duet_error *err)
 {
-    if (strcmp(s->name, "skin") != 0 || s->value < 0 || s->value > MOST_SKIN)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "variant: %s.%s=%lld; expected motion.skin in percent of the bodies' mean "
-                         "least extent, from 0 to %d",
-                         s->kernel, s->name, (long long)s->value, MOST_SKIN);
-    p->skin = (uint32_t)s->value;
-    return true;
+    const own_setting all[] = {{"skin", &p->skin, MOST_SKIN},
+                               {"colours", &p->colours, MOST_COLOURS}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        if (strcmp(s->name, all[i].name) == 0 && s->value >= 0 && s->value <= all[i].most) {
+            *all[i].value = (uint32_t)s->value;
+            return true;
+        }
+    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "variant: %s.%s=%lld; expected motion.skin in percent of the bodies' mean "
+                     "least extent, from 0 to %d, or motion.colours between exchanges of ranks, "
+                     "from 0 to %d",
+                     s->kernel, s->name, (long long)s->value, MOST_SKIN, MOST_COLOURS);
 }
 
 // Leaves the kernels' settings.
-static bool take_skins(motion_plan *p, duet_error *err)
+static bool take_own_settings(motion_plan *p, duet_error *err)
 {
     variant *v = &p->settings;
     uint32_t n = 0;
     bool ok = true;
-    p->skin = 0;
+    p->skin = p->colours = 0;
     for (uint32_t i = 0; ok && i < v->n_settings; ++i) {
         if (strcmp(v->settings[i].kernel, MOTION_PLAN_WORD) == 0)
-            ok = take_skin(p, &v->settings[i], err);
+            ok = take_own(p, &v->settings[i], err);
         else
             v->settings[n++] = v->settings[i];
     }
@@ -119,7 +130,7 @@ bool motion_plan_read(motion_plan *p, const duet_plan *plan, const duet_device_i
     part_text(plan->variant_a, p->search.variant_a, none);
     part_text(plan->variant_b, p->search.variant_b, p->own);
     snprintf(text, sizeof text, "gpu %s", p->own);
-    return variant_parse(&p->settings, text, b, err) && take_skins(p, err) &&
+    return variant_parse(&p->settings, text, b, err) && take_own_settings(p, err) &&
            check_settings(&p->settings, err);
 }
 

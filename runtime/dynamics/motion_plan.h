@@ -24,6 +24,7 @@ typedef struct motion_plan {
     char own[DUET_VARIANT]; // "solve_contacts.WG=64 bodies.PER_ITEM=1": what the plan says of B
     variant settings;       // the same as numbers; its search is not read
     uint32_t skin; // "motion.skin=20": in percent of the bodies' mean least extent; 0: the def's
+    uint32_t colours; // "motion.colours=4": over ranks, ghosts come after so many colours; 0: each
 } motion_plan;
 
 // BAD_ARGUMENT for a setting that is not one of those that may be chosen freely, or a text that is

@@ -35,7 +35,6 @@ struct duet_scene {
     duet_mesh mesh; // motion.mesh, likewise
     struct scene_body *given; // bodies of single objects, as far as given
     uint32_t n_given;
-    uint32_t given_capacity;
     duet_body *bodies; // [n], or NULL where nothing is said of any
 };
 

@@ -3,6 +3,7 @@
 #include "runtime/scene/scene_lua.h"
 
 #include "base/error.h"
+#include "base/list.h"
 #include "gen/field.h"
 #include "runtime/narrowphase/heights.h"
 #include "runtime/scene/scene_heights.h"
@@ -111,14 +112,10 @@ bool scene_read_body_field(lua_State *L, const char *name, scene_body *body)
 
 bool scene_keep_body(duet_scene *scene, const scene_body *body, duet_error *err)
 {
-    if (scene->n_given == scene->given_capacity) {
-        uint32_t capacity = scene->given_capacity ? 2 * scene->given_capacity : 64;
-        scene_body *given = realloc(scene->given, capacity * sizeof *given);
-        if (!given)
-            return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", capacity);
-        scene->given = given;
-        scene->given_capacity = capacity;
-    }
+    scene_body *given = list_room(scene->given, scene->n_given, sizeof *given, err);
+    if (!given)
+        return false;
+    scene->given = given;
     scene->given[scene->n_given] = *body;
     scene->given[scene->n_given++].id = scene->info.n - 1;
     return true;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "base/budget.h"
 #include "base/error.h"
+#include "base/list.h"
 #include "base/rng.h"
 #include "base/text_file.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 TEST(the_first_failure_is_kept)
@@ -102,6 +105,33 @@ TEST(a_text_grows_and_survives_a_file)
     assert_memory_equal(back.chars, t.chars, t.length);
     text_free(&t);
     text_free(&back);
+}
+
+// Its items stay, whatever was taken from its end meanwhile.
+TEST(a_list_has_space_for_one_item_more)
+{
+    uint32_t *list = NULL, n = 0;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < 20000; ++i) {
+        if (rng_below(&r, 300) == 0)
+            n -= rng_below(&r, n + 1);
+        list = must(list_room(list, n, sizeof *list, ERR));
+        list[n] = n;
+        ++n;
+    }
+    for (uint32_t i = 0; i < n; ++i)
+        assert_int_equal(list[i], i);
+    free(list);
+}
+
+TEST(a_list_takes_no_more_than_a_script_may)
+{
+    budget none = {.deadline_ns = UINT64_MAX, .host_bytes = 1};
+    duet_error err = {0};
+    budget_enter(&none);
+    assert_null(list_room(NULL, 0, sizeof(double), &err));
+    budget_leave(&none);
+    assert_int_equal(err.status, DUET_STATUS_NO_MEMORY);
 }
 
 TEST(a_missing_file_and_a_folder_are_named)

@@ -112,9 +112,9 @@ static bool is_rival(const rival *rivals, uint32_t n, const duet_plan *plan)
 // The plan of the quickest launch that is none of the rivals' yet.
 static const duet_plan *next_best(const trial_log *log, const rival *rivals, uint32_t n)
 {
-    const trial_log_entry *best = NULL;
+    const trial *best = NULL;
     for (uint32_t i = 0; i < log->n; ++i) {
-        const trial_log_entry *e = &log->entries[i];
+        const trial *e = &log->entries[i];
         if (e->usable && (!best || e->sample.total_ns < best->sample.total_ns) &&
             !is_rival(rivals, n, &e->plan))
             best = e;

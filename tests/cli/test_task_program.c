@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet run --task and duet tune --task, as a person calls them.
 #define _POSIX_C_SOURCE 200809L
+#include "support/devices.h"
 #include "support/json.h"
 #include "support/program.h"
 #include "support/test.h"
@@ -102,6 +103,35 @@ TEST(a_task_is_explained)
     const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(root, "kernels");
     const cJSON *b = cJSON_GetArrayItem(kernels, cJSON_GetArraySize(kernels) - 1);
     assert_int_equal(json_number(b, "configs"), 2);
+}
+
+TEST(a_task_is_measured_and_compared)
+{
+    program p =
+        program_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --repeat 7 -o old.json");
+    expect_says(&p, (const char *const[]){"task saxpy, 3 000 items", "kernels", NULL});
+    p = program_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --repeat 7 --json");
+    cJSON *root = json_of_program(&p);
+    const cJSON *one, *cases = cJSON_GetObjectItemCaseSensitive(root, "cases");
+    assert_true(cJSON_GetArraySize(cases) == (devices_are_two() ? 5 : 1));
+    cJSON_ArrayForEach(one, cases)
+    {
+        assert_string_equal(json_string(one, "scene"), "saxpy");
+        assert_int_equal(json_number(one, "objects"), 3000);
+        assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(one, "samples_ms")), 7);
+    }
+    p = program_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --against old.json");
+    assert_non_null(strstr(p.out, "against "));
+    p = program_run_with(STORE, "bench --task saxpy.task.lua -n 4000 --against old.json");
+    expect_says(&p, (const char *const[]){"task saxpy, 4 000 items", "new", NULL});
+    program_assert_refused(program_run("bench -n 3"), 2, "--task");
+    program_assert_refused(program_run("bench --scene paper --task saxpy.task.lua"), 2, "--scene");
+    test_write_file("saxpy.cl", "__kernel void saxpy(SAXPY_ARGS) { if (get_global_id(0) == 0) "
+                                "y[first] = 7; }");
+    p = program_run("bench --task saxpy.task.lua");
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.err, "item 0: y[0] is 7"));
+    assert_non_null(strstr(p.err, "failed"));
 }
 
 // A tune file has tasks and a scene; its modes and levels are the scene's.

@@ -3,6 +3,7 @@
 // groups: the state hash of one motion.
 //
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
+#include "cluster/closure.h"
 #include "cluster/cluster.h"
 #include "cluster/colouring.h"
 #include "cluster/moving_domains.h"
@@ -192,8 +193,21 @@ static void save_and_resume(duet_cluster *cluster, const moving_scene *s)
         remove(file);
 }
 
+// Ghosts come after each colour, or after so many.
+static const uint32_t colours_between[] = {1, 31, 4};
+
+static duet_cluster_def def_of(MPI_Comm *comm, uint32_t parts, uint32_t colours)
+{
+    duet_cluster_def def = duet_default_cluster_def();
+    def.comm = comm;
+    def.parts = parts;
+    snprintf(def.world.plan.variant_b, sizeof def.world.plan.variant_b, "auto motion.colours=%u",
+             colours);
+    return def;
+}
+
 static void must_move_to(const moving_scene *s, const outcome *expected, int n_ranks,
-                         uint32_t parts)
+                         uint32_t parts, uint32_t colours)
 {
     MPI_Comm comm = group_of(n_ranks);
     if (comm == MPI_COMM_NULL)
@@ -203,9 +217,7 @@ static void must_move_to(const moving_scene *s, const outcome *expected, int n_r
     outcome own = {0};
     uint32_t most_colours = 0;
     duet_cluster_motion_result result = {0};
-    duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
-    def.parts = parts;
+    const duet_cluster_def def = def_of(&comm, parts, colours);
     duet_cluster *cluster = duet_cluster_create(&def, &err);
     MUST_OK(cluster, err);
     MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
@@ -218,7 +230,8 @@ static void must_move_to(const moving_scene *s, const outcome *expected, int n_r
         add_told(&own, i, &result);
     }
     MUST_OK(duet_cluster_get_state_hash(cluster, &own.hash, &err), err);
-    snprintf(what, sizeof what, "%s on %d ranks of %u", s->path, n_ranks, parts);
+    snprintf(what, sizeof what, "%s on %d ranks of %u, after %u colours", s->path, n_ranks, parts,
+             colours);
     MUST(result.step == s->steps, what);
     MUST(result.contacts >= s->least_contacts, what);
     MUST(strcmp(s->path, GIANT) != 0 || most_colours == COLOUR_OVERFLOW + 1, what);
@@ -233,7 +246,7 @@ static outcome must_move_alike(const moving_scene *s, const int (*shapes)[2], si
 {
     outcome expected = expected_outcome(s);
     for (size_t i = 0; i < n; ++i)
-        must_move_to(s, &expected, shapes[i][0], (uint32_t)shapes[i][1]);
+        must_move_to(s, &expected, shapes[i][0], (uint32_t)shapes[i][1], colours_between[i % 3]);
     return expected;
 }
 
@@ -249,6 +262,40 @@ static void a_pile_has_one_motions_bits(void)
     static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {8, 1}};
     const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 32, 1, 0};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+}
+
+static uint64_t exchanges_of(const moving_scene *s, uint64_t hash, uint32_t colours)
+{
+    duet_error err = {0};
+    uint64_t found = 0;
+    duet_cluster_motion_result result;
+    MPI_Comm comm = MPI_COMM_SELF;
+    const duet_cluster_def def = def_of(&comm, 3, colours);
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
+            err);
+    for (uint32_t i = 0; i < s->steps; ++i)
+        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    MUST(result.contacts >= s->least_contacts, "many push");
+    MUST_OK(duet_cluster_get_state_hash(cluster, &found, &err), err);
+    MUST(found == hash, "ghosts that come less often give other bits");
+    uint64_t n = cluster->moving->halo.n_exchanges;
+    duet_cluster_destroy(cluster);
+    return n;
+}
+
+// A pile of 12 colours; a sweep has an exchange at its end, if each domain solves what it needs.
+static void ghosts_come_once_a_sweep(void)
+{
+    const moving_scene s = {"falling", {{"n", "400"}, {"sleep", "false"}}, 2, 90, 500, 0};
+    uint64_t hash = expected_hash(&s);
+    if (rank > 0)
+        return;
+    uint64_t each = exchanges_of(&s, hash, 1), four = exchanges_of(&s, hash, 4),
+             all = exchanges_of(&s, hash, 31);
+    MUST(2 * four < each, "half as many after four colours");
+    MUST(3 * all < each, "less than a third after all of them");
 }
 
 // At the end all of it sleeps, after bodies fell asleep and woke beside borders.
@@ -421,9 +468,7 @@ static void move_with_any_borders(const moving_scene *s, const outcome *expected
     outcome own = {0};
     duet_error err = {0};
     duet_cluster_motion_result result;
-    duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
-    def.parts = 2;
+    const duet_cluster_def def = def_of(&comm, 2, 31);
     duet_cluster *cluster = duet_cluster_create(&def, &err);
     MUST_OK(cluster, err);
     MUST_OK(duet_cluster_begin_motion(cluster, s->path, NULL, 0, NULL, &err), err);
@@ -623,6 +668,198 @@ static void colours_follow_from_ids(uint64_t seed)
     MUST(colouring_find(once, n, MOST_BODIES, 0) == COLOUR_NONE, "no such contact");
 }
 
+// ---------------------------------------------------------------- closures
+
+enum { FIELD = 60, FIELD_CONTACTS = 150, SWEEPS = 3, WRONG = 0xBAD };
+
+// Contacts of bodies on a line, each of one with another near it; the first `n_own` are a domain's.
+typedef struct field {
+    uint32_t n, n_own;
+    uint32_t ends[FIELD_CONTACTS][2], colours[FIELD_CONTACTS];
+    uint32_t used[FIELD];
+    bool is_known[FIELD_CONTACTS]; // to the domain
+} field;
+
+static field random_field(rng *r)
+{
+    field f = {.n_own = FIELD / 3};
+    for (int tries = 0; tries < 4 * FIELD_CONTACTS && f.n < FIELD_CONTACTS; ++tries) {
+        uint32_t a = rng_below(r, FIELD - 1), b = a + 1 + rng_below(r, 6), colour = rng_below(r, 9);
+        if (b >= FIELD || ((f.used[a] | f.used[b]) >> colour & 1u))
+            continue;
+        f.used[a] |= 1u << colour;
+        f.used[b] |= 1u << colour;
+        f.ends[f.n][0] = a;
+        f.ends[f.n][1] = b;
+        f.colours[f.n] = colour;
+        f.is_known[f.n++] = a < f.n_own || rng_below(r, 8) > 0;
+    }
+    return f;
+}
+
+// The contact's impulse and both ends come to depend on each other.
+static void solve_contact(uint64_t *impulse, uint64_t *a, uint64_t *b)
+{
+    *impulse = 0x9E3779B97F4A7C15u * (*impulse ^ *a) + (*b << 7 | *b >> 57);
+    *a += 3 * *impulse;
+    *b ^= *impulse >> 9;
+}
+
+static void solve_colour(const field *f, const bool *solved, uint32_t colour, uint64_t *impulses,
+                         uint64_t *bodies)
+{
+    for (uint32_t i = 0; i < f->n; ++i)
+        if (f->colours[i] == colour && (!solved || solved[i]))
+            solve_contact(&impulses[i], &bodies[f->ends[i][0]], &bodies[f->ends[i][1]]);
+}
+
+static closure closure_of(const field *f, uint32_t every, ghost_colours *colours,
+                          border_contact *border)
+{
+    closure c = {every, colours, FIELD - f->n_own, border, 0};
+    for (uint32_t i = f->n_own; i < FIELD; ++i)
+        colours[i - f->n_own] = (ghost_colours){.at_home = f->used[i]};
+    for (uint32_t i = 0; i < f->n; ++i) {
+        uint32_t a = f->ends[i][0], b = f->ends[i][1];
+        if (f->is_known[i] && b >= f->n_own)
+            border[c.n_contacts++] = (border_contact){
+                .ghosts = {a < f->n_own ? CLOSURE_NONE : a - f->n_own, b - f->n_own},
+                .colour = f->colours[i],
+                .row = i,
+                .is_own = a < f->n_own};
+    }
+    return c;
+}
+
+// Returns how often ghosts come. Those that are wrong and do not come are wrong without bounds.
+static uint32_t must_sweep_alike(const field *f, const closure *c, rng *r)
+{
+    uint64_t at_home[FIELD], here[FIELD], impulses[FIELD_CONTACTS], own[FIELD_CONTACTS];
+    bool solved[FIELD_CONTACTS] = {false};
+    uint32_t times = 0;
+    for (uint32_t i = 0; i < f->n; ++i) {
+        impulses[i] = own[i] = rng_next(r);
+        solved[i] = f->ends[i][1] < f->n_own;
+    }
+    for (uint64_t i = 0; i < c->n_contacts; ++i)
+        solved[c->contacts[i].row] = c->contacts[i].is_solved;
+    for (uint32_t i = 0; i < FIELD; ++i) {
+        at_home[i] = rng_next(r);
+        here[i] = i < f->n_own || c->ghosts[i - f->n_own].here != 0 ? at_home[i] : WRONG;
+    }
+    for (int sweep = 0; sweep < SWEEPS; ++sweep)
+        for (uint32_t colour = 0; colour <= CLOSURE_END; ++colour) {
+            uint32_t came = 0;
+            solve_colour(f, NULL, colour, impulses, at_home);
+            solve_colour(f, solved, colour, own, here);
+            for (uint32_t i = f->n_own; i < FIELD; ++i)
+                if (c->ghosts[i - f->n_own].comes >> colour & 1u) {
+                    here[i] = at_home[i];
+                    ++came;
+                }
+            times += came > 0;
+        }
+    MUST(memcmp(here, at_home, f->n_own * sizeof *here) == 0, "own bodies are right");
+    for (uint32_t i = 0; i < f->n; ++i)
+        MUST(!solved[i] || own[i] == impulses[i], "contacts that are solved are right");
+    for (uint32_t i = f->n_own; i < FIELD; ++i)
+        MUST(c->ghosts[i - f->n_own].here == 0 || here[i] == at_home[i],
+             "ghosts with contacts are right after a sweep");
+    return times;
+}
+
+// Contacts that the domain does not know, of bodies anywhere, make ghosts come sooner.
+static void closures_leave_nothing_wrong(uint64_t seed)
+{
+    rng r = rng_seed(seed);
+    uint32_t times[2] = {0};
+    for (int i = 0; i < 200; ++i) {
+        duet_error err = {0};
+        const field f = random_field(&r);
+        for (uint32_t every = 1; every <= 9; ++every) {
+            ghost_colours colours[FIELD];
+            border_contact border[FIELD_CONTACTS];
+            closure c = closure_of(&f, every, colours, border);
+            MUST_OK(closure_find(&c, &err), err);
+            uint32_t n = must_sweep_alike(&f, &c, &r);
+            times[0] += every == 1 ? n : 0;
+            times[1] += every == 9 ? n : 0;
+        }
+    }
+    MUST(times[1] > 0 && 2 * times[1] < times[0], "ghosts come less often");
+}
+
+// ---------------------------------------------------------------- bounds
+
+static extent cube_at(double x, double y)
+{
+    return (extent){{x - 0.5, y - 0.5, 0.0}, {x + 0.5, y + 0.5, 1.0}};
+}
+
+// Two domains side by side, whose reaches overlap for x from 9 to 11.
+static void bodies_far_from_borders_stay(void)
+{
+    extent reaches[] = {{{0, 0, 0}, {11, 10, 1}}, {{9, 0, 0}, {20, 10, 1}}};
+    const moving m = {.n_domains = 2, .reaches = reaches};
+    static const struct {
+        double from, to; // x; y is 5
+        bool stays;
+    } moves[] = {
+        {3, 3.2, true},   // inside
+        {3, 8, true},     // it meets the other's reach neither before nor now
+        {3, 9, false},    // now it does
+        {9, 10.4, true},  // it did before, so it is a ghost there
+        {9, 10.6, false}, // it leaves its own domain's reach
+        {10.6, 9, true},  // back into it
+    };
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
+        const extent old = cube_at(moves[i].from, 5), now = cube_at(moves[i].to, 5);
+        MUST(moving_stays(&m, 0, &old, &now) == moves[i].stays, "whether a body stays");
+        const extent mirrored = cube_at(20 - moves[i].from, 5),
+                     there = cube_at(20 - moves[i].to, 5);
+        MUST(moving_stays(&m, 1, &mirrored, &there) == moves[i].stays, "as in a mirror");
+    }
+}
+
+// ---------------------------------------------------------------- rows
+
+// Parts of rows by a device that does not work on the host's memory: as one that does has them.
+static void parts_of_rows_come_and_go(void)
+{
+    static const uint32_t places[] = {17, 3, 20};
+    enum { N = sizeof places / sizeof *places };
+    duet_error err = {0};
+    const duet_setting settings[] = {{"n", "80"}};
+    MPI_Comm comm = MPI_COMM_SELF;
+    const duet_cluster_def def = def_of(&comm, 2, 1);
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, "falling", settings, 1, NULL, &err), err);
+    duet_motion *m = cluster->moving->domains[0].motion;
+    const uint32_t words = motion_words(m, VELOCITIES);
+    const row_parts whole = {.words = {words}}, ends = {{0, words - 1}, {2, 1}};
+    uint32_t before[N * 8], after[N * 8], packed[3 * N], again[3 * N];
+    void *host = m->buffers[VELOCITIES].host;
+    MUST(words <= 8 && m->n > 20 && host, "rows are short, and the host's");
+    MUST_OK(domain_pack_rows(m, VELOCITIES, &whole, places, N, before, &err), err);
+    MUST_OK(domain_pack_rows(m, VELOCITIES, &ends, places, N, packed, &err), err);
+    m->buffers[VELOCITIES].host = NULL;
+    MUST_OK(domain_pack_rows(m, VELOCITIES, &ends, places, N, again, &err), err);
+    MUST(memcmp(packed, again, sizeof packed) == 0, "the device packs the same");
+    for (uint32_t i = 0; i < 3 * N; ++i)
+        again[i] += 1000 + i;
+    MUST_OK(domain_unpack_rows(m, VELOCITIES, &ends, places, N, again, &err), err);
+    m->buffers[VELOCITIES].host = host;
+    MUST_OK(domain_pack_rows(m, VELOCITIES, &whole, places, N, after, &err), err);
+    for (uint32_t i = 0; i < N; ++i)
+        for (uint32_t k = 0; k < words; ++k) {
+            uint32_t at = k < 2 ? k : 2, more = k < 2 || k == words - 1 ? 1000 + 3 * i + at : 0;
+            MUST(after[i * words + k] == before[i * words + k] + more,
+                 "parts are written, and nothing else");
+        }
+    duet_cluster_destroy(cluster);
+}
+
 // ---------------------------------------------------------------- work
 
 // Times are made of what bodies and ends cost, and these are found in them; of ranks that all have
@@ -658,15 +895,20 @@ int main(int argc, char **argv)
     MUST(n == 8, "run by mpirun -np 8");
     if (rank == 0) {
         printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+        bodies_far_from_borders_stay();
         colours_follow_from_ids(seed);
+        closures_leave_nothing_wrong(seed);
         times_tell_what_contacts_cost(seed);
     }
+    if (rank == 0)
+        parts_of_rows_come_and_go();
     what_ranks_lack_is_refused();
     checkpoints_know_no_ranks();
     borders_change_nothing(seed);
     borders_follow_bodies();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
+    ghosts_come_once_a_sweep();
     a_pile_that_falls_asleep_has_one_motions_bits();
     a_giant_on_small_ones_has_one_motions_bits();
     a_pile_on_a_mesh_has_one_motions_bits();

@@ -118,6 +118,7 @@ TEST(a_plan_that_cannot_be_leaves_the_motion_as_it_was)
          "prepare_contacts.LANES cannot be set"}, // lanes would lack contacts
         {"motion.skin=1001", "expected motion.skin in percent"},
         {"motion.rest=1", "expected motion.skin in percent"},
+        {"motion.colours=32", "or motion.colours between exchanges of ranks, from 0 to 31"},
         {"bodies.DIMS=2", "bodies.DIMS cannot be set"},
         {"update_sleep.WG=64", "no kernel that the motion runs has a parameter 'update_sleep.WG'"},
         {"solve_contacts.PER_ITEM=x", "the value is not a whole number"},

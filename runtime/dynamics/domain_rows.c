@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// Parts of some rows by body or by contact, for who sends them: copied where they lie if the device
+// works on host memory. Else the device brings them together, so that no others travel.
+#include "runtime/dynamics/domain_motion.h"
+#include "runtime/dynamics/motion_rows.h"
+
+#include <string.h>
+
+static const char stage[] = "domain";
+
+// What is moved: parts of n rows of a buffer, each of so many words.
+typedef struct some_rows {
+    motion_buffer which;
+    uint32_t words;
+    row_parts parts;
+    const uint32_t *places;
+    uint32_t n;
+} some_rows;
+
+static size_t packed_bytes(const some_rows *s)
+{
+    return (s->parts.words[0] + s->parts.words[1]) * sizeof(cl_uint);
+}
+
+// ---------------------------------------------------------------- in place
+
+static bool open_rows(duet_motion *m, const some_rows *s, motion_rows *rows, duet_error *err)
+{
+    return motion_words(m, s->which) > 0
+               ? motion_rows_open(m, s->which, 0, m->n, rows, err)
+               : motion_rows_of_contacts(m, s->which, s->words, rows, err);
+}
+
+static void copy_row(char *row, char *packed, const row_parts *parts, bool unpacks)
+{
+    for (int k = 0; k < 2; ++k) {
+        char *part = row + parts->at[k] * sizeof(cl_uint);
+        const size_t bytes = parts->words[k] * sizeof(cl_uint);
+        memcpy(unpacks ? part : packed, unpacks ? packed : part, bytes);
+        packed += bytes;
+    }
+}
+
+static bool copy_in_place(duet_motion *m, const some_rows *s, char *packed, bool unpacks,
+                          duet_error *err)
+{
+    motion_rows rows;
+    if (!open_rows(m, s, &rows, err))
+        return false;
+    for (uint32_t i = 0; i < s->n; ++i)
+        copy_row(motion_row(&rows, s->places[i]), packed + i * packed_bytes(s), &s->parts, unpacks);
+    return motion_rows_close(m, &rows, err);
+}
+
+// ---------------------------------------------------------------- by the device
+
+static bool build(duet_motion *m, duet_error *err)
+{
+    motion_reading *r = &m->reading;
+    const kernel_request list[] = {
+        {&r->pack_rows, true, "row_parts", "pack_rows", motion_bindings},
+        {&r->unpack_rows, true, "row_parts", "unpack_rows", motion_bindings},
+    };
+    return (r->pack_rows && r->unpack_rows) ||
+           motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
+}
+
+static bool prepare(duet_motion *m, const some_rows *s, duet_error *err)
+{
+    motion_reading *r = &m->reading;
+    const row_parts *p = &s->parts;
+    const size_t bytes = s->n * sizeof *s->places;
+    bool ok = build(m, err) && motion_reserve(m, READ_IDS, s->n, sizeof *s->places, err) &&
+              motion_reserve(m, GATHERED, s->n, packed_bytes(s), err) &&
+              timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, s->places, bytes, err);
+    r->rows = m->buffers[s->which];
+    r->row_words = s->words;
+    r->n_ids = s->n;
+    r->row_parts =
+        (cl_int4){{(cl_int)p->at[0], (cl_int)p->words[0], (cl_int)p->at[1], (cl_int)p->words[1]}};
+    return ok;
+}
+
+static bool pack(duet_motion *m, const some_rows *s, void *packed, duet_error *err)
+{
+    if (m->buffers[s->which].host)
+        return copy_in_place(m, s, packed, false, err);
+    return s->n == 0 ||
+           (prepare(m, s, err) && motion_launch(m, stage, m->reading.pack_rows, s->n, err) &&
+            motion_fetch(m, stage, GATHERED, 0, packed, s->n * packed_bytes(s), err));
+}
+
+static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error *err)
+{
+    if (m->buffers[s->which].host)
+        return copy_in_place(m, s, packed, true, err);
+    return s->n == 0 || (prepare(m, s, err) &&
+                         timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
+                                           s->n * packed_bytes(s), err) &&
+                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err));
+}
+
+// ---------------------------------------------------------------- rows by body
+
+bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                      const uint32_t *places, uint32_t n, void *packed, duet_error *err)
+{
+    return pack(m, &(some_rows){which, motion_words(m, which), *parts, places, n}, packed, err);
+}
+
+bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                        const uint32_t *places, uint32_t n, void *packed, duet_error *err)
+{
+    return unpack(m, &(some_rows){which, motion_words(m, which), *parts, places, n}, packed, err);
+}
+
+// ---------------------------------------------------------------- contacts
+
+typedef bool move_some(duet_motion *m, const some_rows *s, void *packed, duet_error *err);
+
+static bool move_contacts(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
+                          move_some *move, duet_error *err)
+{
+    const uint32_t record = m->layout.record;
+    const some_rows touches = {TOUCHES, 1, {.words = {1}}, rows, c->n},
+                    colours = {COLOUR_OF, 1, {.words = {1}}, rows, c->n},
+                    records = {CONTACTS, record, {.words = {record}}, rows, c->n};
+    return move(m, &touches, c->touches, err) && move(m, &colours, c->colours, err) &&
+           move(m, &records, c->records, err);
+}
+
+bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, duet_error *err)
+{
+    return move_contacts(m, rows, c, pack, err);
+}
+
+bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
+                       duet_error *err)
+{
+    return move_contacts(m, rows, c, unpack, err);
+}
