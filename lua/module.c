@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The module's table: one line a noun, after those whose classes it adds to; and the parts that are
-// written in Lua: require "duet.frame", "duet.plot", "duet.timeline" and "duet.lab" find them
-// inside the library.
+// The module's table, to which each noun adds; and the parts that are written in Lua: require
+// "duet.frame", "duet.plot", "duet.timeline" and "duet.lab" find them inside the library.
 #include "duet_lua.h"
 
 #include "base/blob.h"
@@ -61,29 +60,8 @@ int luaopen_duet(lua_State *L)
     lua_pushstring(L, duet_version());
     lua_setfield(L, -2, "version");
     array_open(L);
-    device_open_lua(L);
-    plan_open_lua(L);
-    scene_open_lua(L);
-    world_open_lua(L);
-    result_open_lua(L);
-    search_open_lua(L);
-    tune_open_lua(L);
-    motion_open_lua(L);
-    task_open_lua(L);
-    online_open_lua(L);
-    motion_def_open_lua(L);
-    motion_step_open_lua(L);
-    motion_state_open_lua(L);
-    motion_commands_open_lua(L);
-    source_open_lua(L);
-    pair_query_open_lua(L);
-    tree_open_lua(L);
-    tree_query_open_lua(L);
-    profiles_open_lua(L);
-    contact_query_open_lua(L);
-    pair_delta_open_lua(L);
-    replay_open_lua(L);
-    cluster_open_lua(L);
+#define OPEN_NOUN(noun) noun##_open_lua(L);
+    LUA_NOUNS(OPEN_NOUN)
     preload_carried(L);
     return 1;
 }

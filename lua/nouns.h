@@ -11,29 +11,16 @@
 
 #include "runtime/duet.h"
 
-void device_open_lua(lua_State *L);
-void scene_open_lua(lua_State *L);
-void world_open_lua(lua_State *L);
-void result_open_lua(lua_State *L);
-void plan_open_lua(lua_State *L);
-void search_open_lua(lua_State *L);
-void tune_open_lua(lua_State *L);
-void online_open_lua(lua_State *L);
-void motion_open_lua(lua_State *L);
-void motion_def_open_lua(lua_State *L);
-void motion_step_open_lua(lua_State *L);
-void motion_state_open_lua(lua_State *L);
-void motion_commands_open_lua(lua_State *L);
-void source_open_lua(lua_State *L);
-void profiles_open_lua(lua_State *L);
-void pair_query_open_lua(lua_State *L);
-void tree_open_lua(lua_State *L);
-void tree_query_open_lua(lua_State *L);
-void contact_query_open_lua(lua_State *L);
-void pair_delta_open_lua(lua_State *L);
-void replay_open_lua(lua_State *L);
-void cluster_open_lua(lua_State *L);
-void task_open_lua(lua_State *L);
+// The nouns, each after those whose classes it adds to.
+// clang-format off
+#define LUA_NOUNS(X) \
+    X(device) X(plan) X(scene) X(world) X(result) X(search) X(tune) X(motion) X(task) X(online) \
+    X(motion_def) X(motion_step) X(motion_state) X(motion_commands) X(source) X(pair_query) \
+    X(tree) X(tree_query) X(profiles) X(contact_query) X(pair_delta) X(replay) X(cluster)
+// clang-format on
+
+#define DECLARE_NOUN(noun) void noun##_open_lua(lua_State *L);
+LUA_NOUNS(DECLARE_NOUN)
 
 extern const member_type member_plan;               // a duet_plan as a table
 void plan_read(lua_State *L, duet_plan *plan);      // the argument at 2

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Compares the pairs of a still world with those of its last step.
 #include "runtime/dynamics/pair_list.h"
 
 #include "base/error.h"

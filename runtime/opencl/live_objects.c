@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+// Counts the objects of OpenCL that exist: tests find what is not released, and scripts pay for
+// them.
 #include "runtime/opencl/device.h"
 
 #include "base/budget.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// What a script's scene says of motion: the bodies of its objects, and the motion's def.
 #include "runtime/scene/scene_lua.h"
 
 #include "base/error.h"
