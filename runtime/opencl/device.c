@@ -291,7 +291,7 @@ void device_close(device *d)
     const cl_command_queue queues[] = {d->queue, d->beside};
     bool is_alone = true;
     for (int i = 0; i < 2; ++i) {
-        if (queues[i] && d->info.host_memory)
+        if (queues[i] && d->info.kind == DUET_KIND_CPU) // its driver's threads are the host's
             is_alone &= wait_until_alone(queues[i]);
         release_queue(queues[i]);
     }

@@ -60,7 +60,7 @@ static void fill(device *d, buffer *b)
     timeline_clear(&times);
 }
 
-TEST(a_device_closes_before_its_driver_lets_go_of_a_command)
+static void close_early(bool copies)
 {
     device d;
     buffer b = {0};
@@ -71,6 +71,7 @@ TEST(a_device_closes_before_its_driver_lets_go_of_a_command)
     atomic_store(&is_late, true);
     fill(&d, &b);
     buffer_release(&b);
+    d.info.host_memory &= !copies;
     device_close(&d);
     atomic_store(&is_late, false);
     do
@@ -78,6 +79,17 @@ TEST(a_device_closes_before_its_driver_lets_go_of_a_command)
     while (atomic_load(&n_late) > 0);
     usleep(MOMENT_US);
     assert_int_equal(device_live_objects(), 0);
+}
+
+TEST(a_device_closes_before_its_driver_lets_go_of_a_command)
+{
+    close_early(false);
+}
+
+// How a device gets its memory says nothing of the driver's threads.
+TEST(so_does_one_that_is_sent_copies)
+{
+    close_early(true);
 }
 
 TEST_MAIN(NULL, NULL)
