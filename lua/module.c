@@ -19,33 +19,19 @@ static int run_carried(lua_State *L, const char *path)
     return 1;
 }
 
-int luaopen_duet_frame(lua_State *L)
-{
-    return run_carried(L, "lua/frame.lua");
-}
+#define CARRIED(X) X(frame) X(lab) X(plot) X(timeline)
 
-int luaopen_duet_lab(lua_State *L)
-{
-    return run_carried(L, "lua/lab.lua");
-}
-
-int luaopen_duet_plot(lua_State *L)
-{
-    return run_carried(L, "lua/plot.lua");
-}
-
-int luaopen_duet_timeline(lua_State *L)
-{
-    return run_carried(L, "lua/timeline.lua");
-}
+#define OPEN_CARRIED(part)                          \
+    int luaopen_duet_##part(lua_State *L)           \
+    {                                               \
+        return run_carried(L, "lua/" #part ".lua"); \
+    }
+CARRIED(OPEN_CARRIED)
 
 static void preload_carried(lua_State *L)
 {
-    static const luaL_Reg modules[] = {{"duet.frame", luaopen_duet_frame},
-                                       {"duet.lab", luaopen_duet_lab},
-                                       {"duet.plot", luaopen_duet_plot},
-                                       {"duet.timeline", luaopen_duet_timeline},
-                                       {NULL, NULL}};
+#define MODULE(part) {"duet." #part, luaopen_duet_##part},
+    static const luaL_Reg modules[] = {CARRIED(MODULE){NULL, NULL}};
     luaL_getsubtable(L, LUA_REGISTRYINDEX, LUA_PRELOAD_TABLE);
     luaL_setfuncs(L, modules, 0);
     lua_pop(L, 1);
