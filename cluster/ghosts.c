@@ -216,9 +216,9 @@ bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, duet_error *err)
 
 // ---------------------------------------------------------------- ghosts that move
 
-// In a pile a colour leaves one in seven ghosts wrong that touch what is here; of those travel
-// velocities, and in each second pass as much again (cluster/halo.c).
-enum { ONE_IN = 7, COLOUR_BYTES = 48 };
+// In a pile a colour leaves one in seven ghosts wrong that touch what is here; of those travel two
+// velocities of three floats, and in each second pass as much again (cluster/halo.c).
+enum { ONE_IN = 7, COLOUR_BYTES = 36 };
 
 static bool reserve_colours(parcels *p, const parcels *all, const ranks *r, duet_error *err)
 {

@@ -190,14 +190,16 @@ void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 
 // ---------------------------------------------------------------- after a colour
 
-// Velocities of a body lie first (kernels/dynamics/records.h).
+// Velocities of a body lie first (kernels/dynamics/records.h). The fourth numbers of vectors are no
+// part of them.
 static row_parts parts_of_body(const duet_motion *motion, bool warm)
 {
-    enum { VECTOR = 4 };
+    enum { VECTOR = 4, SENT = 3 };
     const bool turns = motion->layout.body == BODY_OF(1);
-    const uint32_t both = (turns ? 2 : 1) * VECTOR;
+    const uint32_t both = (turns ? 2 : 1) * SENT;
     return (row_parts){.at = {0, BODY_WARM_IMPULSE_OF(turns) * VECTOR},
-                       .words = {both, warm ? both : 0}};
+                       .words = {both, warm ? both : 0},
+                       .of_four = SENT};
 }
 
 void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)

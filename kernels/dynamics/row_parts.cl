@@ -3,12 +3,14 @@
 // they hold.
 //
 //   rows      [n][row_words]
-//   row_parts word at which the first part begins, and how many words it has; the same of the second
+//   row_parts word at which the first part begins, and how many words are taken; the same of the second
+//   of_four   words that are taken of every four of a part
 //   ids       [n_ids] places, each once
 //   gathered  [n_ids][words of both parts]
-static inline size_t place_of_word(uint id, uint row_words, uint4 parts, uint k)
+static inline size_t place_of_word(uint id, uint row_words, uint4 parts, uint of_four, uint k)
 {
-    return (size_t)id * row_words + (k < parts.y ? parts.x + k : parts.z + (k - parts.y));
+    uint at = k < parts.y ? parts.x : parts.z, word = k < parts.y ? k : k - parts.y;
+    return (size_t)id * row_words + at + word / of_four * 4 + word % of_four;
 }
 
 __kernel void pack_rows(PACK_ROWS_ARGS)
@@ -18,7 +20,7 @@ __kernel void pack_rows(PACK_ROWS_ARGS)
     uint last = min(first + PER_ITEM, n_ids);
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < words; ++k)
-            gathered[(size_t)i * words + k] = rows[place_of_word(ids[i], row_words, parts, k)];
+            gathered[(size_t)i * words + k] = rows[place_of_word(ids[i], row_words, parts, of_four, k)];
 }
 
 __kernel void unpack_rows(UNPACK_ROWS_ARGS)
@@ -28,5 +30,5 @@ __kernel void unpack_rows(UNPACK_ROWS_ARGS)
     uint last = min(first + PER_ITEM, n_ids);
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < words; ++k)
-            rows[place_of_word(ids[i], row_words, parts, k)] = gathered[(size_t)i * words + k];
+            rows[place_of_word(ids[i], row_words, parts, of_four, k)] = gathered[(size_t)i * words + k];
 }

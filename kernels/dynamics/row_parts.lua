@@ -12,6 +12,7 @@ return {
       const uint *rows
       uint row_words
       int4 row_parts
+      uint of_four
       const uint *ids
       uint n_ids
       uint *gathered
@@ -20,6 +21,7 @@ return {
       uint *rows
       uint row_words
       int4 row_parts
+      uint of_four
       const uint *ids
       uint n_ids
       const uint *gathered

@@ -62,9 +62,10 @@ bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, 
 bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
                        duet_error *err);
 
-// Two parts of a row by object, in words: where they begin, and how long they are.
+// Two parts of a row by object, in words: where they begin, how many are taken, and how many of
+// every four; 0: all.
 typedef struct row_parts {
-    uint32_t at[2], words[2];
+    uint32_t at[2], words[2], of_four;
 } row_parts;
 
 // Reads parts of the rows of n places, each place once, one behind the other; and writes them.

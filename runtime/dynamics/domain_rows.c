@@ -31,13 +31,27 @@ static bool open_rows(duet_motion *m, const some_rows *s, motion_rows *rows, due
                : motion_rows_of_contacts(m, s->which, s->words, rows, err);
 }
 
+static uint32_t taken_of_four(const row_parts *parts)
+{
+    return parts->of_four > 0 ? parts->of_four : 4;
+}
+
+static void copy_part(char *part, char *packed, uint32_t words, uint32_t of_four, bool unpacks)
+{
+    for (uint32_t k = 0; k < words; k += of_four) {
+        const size_t bytes = (words - k < of_four ? words - k : of_four) * sizeof(cl_uint);
+        char *one = part + k / of_four * 4 * sizeof(cl_uint);
+        memcpy(unpacks ? one : packed, unpacks ? packed : one, bytes);
+        packed += bytes;
+    }
+}
+
 static void copy_row(char *row, char *packed, const row_parts *parts, bool unpacks)
 {
     for (int k = 0; k < 2; ++k) {
-        char *part = row + parts->at[k] * sizeof(cl_uint);
-        const size_t bytes = parts->words[k] * sizeof(cl_uint);
-        memcpy(unpacks ? part : packed, unpacks ? packed : part, bytes);
-        packed += bytes;
+        copy_part(row + parts->at[k] * sizeof(cl_uint), packed, parts->words[k],
+                  taken_of_four(parts), unpacks);
+        packed += parts->words[k] * sizeof(cl_uint);
     }
 }
 
@@ -76,6 +90,7 @@ static bool prepare(duet_motion *m, const some_rows *s, duet_error *err)
     r->rows = m->buffers[s->which];
     r->row_words = s->words;
     r->n_ids = s->n;
+    r->of_four = taken_of_four(p);
     r->row_parts =
         (cl_int4){{(cl_int)p->at[0], (cl_int)p->words[0], (cl_int)p->at[1], (cl_int)p->words[1]}};
     return ok;

@@ -17,6 +17,7 @@ typedef struct motion_reading {
     buffer rows, last_rows; // a state's, by object
     cl_uint row_words, n_ids;
     cl_int4 row_parts;
+    cl_uint of_four;
 } motion_reading;
 
 void motion_forget_moved(motion_reading *r);

@@ -105,7 +105,7 @@ static double of_all_ranks(const cJSON *result, const char *name)
 }
 
 // The same step takes longer for bodies that move, by a message of at least 20 us (there are two
-// links) after each of 112 colours, of 48 bytes a ghost and one in seven ghosts.
+// links) after each of 112 colours, of 36 bytes a ghost and one in seven ghosts.
 static void a_moving_profile_sends_for_each_colour(const char *path, const char *uid,
                                                    const cJSON *still)
 {
@@ -116,7 +116,7 @@ static void a_moving_profile_sends_for_each_colour(const char *path, const char 
     cJSON *moving = forecast(path, uid, "--ranks 2 paper -n 4000 --set world=32");
     double ghosts = of_all_ranks(moving, "ghosts");
     double more = of_all_ranks(moving, "sent_bytes") - of_all_ranks(still, "sent_bytes");
-    assert_true(more >= 112 * 48 * ghosts / 7 && more <= 112 * 48 * (ghosts / 7 + 2));
+    assert_true(more >= 112 * 36 * ghosts / 7 && more <= 112 * 36 * (ghosts / 7 + 2));
     assert_true(json_number(moving, "total_ms") >= json_number(still, "total_ms") + 112 * 0.02);
     assert_true(json_number(moving, "efficiency") < json_number(still, "efficiency"));
     s = test_store_open(path, STORE_WRITE);
