@@ -330,6 +330,7 @@ void moving_end(moving *m)
         free(m->domains[k].ghost_at);
         free(m->domains[k].kinds);
         free(m->domains[k].left.contacts);
+        free(m->domains[k].neighbours.rows);
         domain_contacts_free(&m->domains[k].solved);
         free(m->domains[k].border.rows);
         free(m->domains[k].waiting.rows);

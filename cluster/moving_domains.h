@@ -62,6 +62,7 @@ typedef struct moving_domain {
     uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
     uint8_t *kinds;         // [bodies + FIXED]
     row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
+    row_list neighbours;    // domains whose reaches meet its own
     left_list left;         // contacts of two ghosts that are not as at home: ascending
     domain_contacts solved; // all contacts of the step, with colours if they are solved here
     row_list border;        // rows of them that have a ghost
@@ -200,7 +201,7 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
 
 // Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
 // all domains that have what it may touch.
-bool moving_stays(const moving *m, uint32_t domain, const extent *old, const extent *now);
+bool moving_stays(const moving *m, const moving_domain *d, const extent *old, const extent *now);
 
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);

@@ -157,6 +157,16 @@ static void note_ghosts(moving *m)
     }
 }
 
+static void list_neighbours(const moving *m, moving_domain *d, duet_error *own)
+{
+    list_clear(&d->neighbours.list);
+    for (uint32_t k = 0; k < m->n_domains; ++k)
+        if (k != d->number && extents_meet(&m->reaches[k], &m->reaches[d->number]))
+            row_list_add(&d->neighbours, k);
+    if (d->neighbours.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+}
+
 static bool find_reaches(moving *m, duet_error *own)
 {
     extent *here = calloc(m->parts, sizeof *here);
@@ -169,6 +179,8 @@ static bool find_reaches(moving *m, duet_error *own)
         here[k] = extent_grown(reach_of(m, &m->domains[k]), layers_of(m) * m->extent);
     if (ok)
         ranks_gather(m->ranks, here, m->reaches, (int)(m->parts * sizeof *here));
+    for (uint32_t k = 0; ok && k < m->parts; ++k)
+        list_neighbours(m, &m->domains[k], own);
     free(here);
     return ok;
 }

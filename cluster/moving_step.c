@@ -312,14 +312,15 @@ bool moving_settle(moving *m, duet_error *own)
     return ok;
 }
 
-bool moving_stays(const moving *m, uint32_t domain, const extent *old, const extent *now)
+bool moving_stays(const moving *m, const moving_domain *d, const extent *old, const extent *now)
 {
     if (extent_within(now, old))
         return true;
-    bool stays = extent_within(now, &m->reaches[domain]);
-    for (uint32_t k = 0; stays && k < m->n_domains; ++k)
-        stays = k == domain || !extents_meet(now, &m->reaches[k]) ||
-                extents_meet(old, &m->reaches[k]);
+    bool stays = extent_within(now, &m->reaches[d->number]);
+    for (uint64_t i = 0; stays && i < d->neighbours.n; ++i) {
+        const extent *reach = &m->reaches[d->neighbours.rows[i]];
+        stays = !extents_meet(now, reach) || extents_meet(old, reach);
+    }
     return stays;
 }
 
@@ -334,7 +335,7 @@ static bool stays(const moving *m, const moving_domain *d, uint64_t place, const
 {
     const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, place)->bounds),
                  now = extent_of_bounds(m, bounds);
-    return moving_stays(m, d->number, &old, &now);
+    return moving_stays(m, d, &old, &now);
 }
 
 // Whether pairs that the next step searches are all among the domain's bodies.

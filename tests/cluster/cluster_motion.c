@@ -800,7 +800,10 @@ static extent cube_at(double x, double y)
 static void bodies_far_from_borders_stay(void)
 {
     extent reaches[] = {{{0, 0, 0}, {11, 10, 1}}, {{9, 0, 0}, {20, 10, 1}}};
+    uint32_t others[] = {1, 0};
     const moving m = {.n_domains = 2, .reaches = reaches};
+    const moving_domain first = {.number = 0, .neighbours = {.rows = &others[0], .n = 1}},
+                        second = {.number = 1, .neighbours = {.rows = &others[1], .n = 1}};
     static const struct {
         double from, to; // x; y is 5
         bool stays;
@@ -814,10 +817,10 @@ static void bodies_far_from_borders_stay(void)
     };
     for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
         const extent old = cube_at(moves[i].from, 5), now = cube_at(moves[i].to, 5);
-        MUST(moving_stays(&m, 0, &old, &now) == moves[i].stays, "whether a body stays");
+        MUST(moving_stays(&m, &first, &old, &now) == moves[i].stays, "whether a body stays");
         const extent mirrored = cube_at(20 - moves[i].from, 5),
                      there = cube_at(20 - moves[i].to, 5);
-        MUST(moving_stays(&m, 1, &mirrored, &there) == moves[i].stays, "as in a mirror");
+        MUST(moving_stays(&m, &second, &mirrored, &there) == moves[i].stays, "as in a mirror");
     }
 }
 
