@@ -60,8 +60,7 @@ bool command_open(duet_motion *m, command *c, duet_error *err)
     c->places = malloc(n * sizeof *c->places + 1);
     c->ids = recorded ? malloc(n * sizeof *c->ids + 1) : NULL;
     if (!c->places || (recorded && !c->ids))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu places", c->call,
-                         n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu places", c->call, n);
     return (!listed || find_places(m, c, err)) && motion_begin_commands(m, err);
 }
 
@@ -87,6 +86,8 @@ bool command_fail(const command *c, uint32_t i, duet_status status, duet_error *
     va_start(values, format);
     vsnprintf(fault, sizeof fault, format, values);
     va_end(values);
+    if (c->blamed)
+        *c->blamed = c->of[i];
     return error_set(err, status, "%s: body %u of %u: %s", c->call, c->of ? c->of[i] : i,
                      command_count(c), fault);
 }
@@ -174,14 +175,16 @@ static bool name_who_lacks(const duet_motion *m, const command *c, effect_facts 
     for (uint32_t i = 0; i < c->list.n; ++i) {
         char who[48];
         snprintf(who, sizeof who, "body %u of %u", c->of ? c->of[i] : i, command_count(c));
-        if (motion_lacks(missing_with(m, &all, c, i, 1), c->call, who, err))
+        if (motion_lacks(missing_with(m, &all, c, i, 1), c->call, who, err)) {
+            if (c->blamed)
+                *c->blamed = c->of[i];
             break;
+        }
     }
     return false;
 }
 
-bool command_add_facts(const duet_motion *m, const command *c, effect_facts *facts,
-                       duet_error *err)
+bool command_add_facts(const duet_motion *m, const command *c, effect_facts *facts, duet_error *err)
 {
     effect_facts all = *facts;
     if (!c->bodies)

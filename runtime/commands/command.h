@@ -56,6 +56,7 @@ struct command {
     duet_body_list list; // COMMAND_ADD, COMMAND_DEF: n alone
     const uint32_t *of;  // [n] a part: which of all listed bodies each is; NULL: it is no part
     uint32_t n_all;      // of these
+    uint32_t *blamed;    // gets which of these a failure names; NULL: it is not asked for
     uint32_t fields;
     const void *rows;            // [n]
     const duet_body *new_bodies; // [n] that come; NULL: duet_default_body each
@@ -90,8 +91,8 @@ bool command_check(const duet_motion *m, const command *c, uint32_t parts, duet_
 // Turns centres into offsets in origin cells, if the motion has some. BAD_OBJECT beyond 2^30 cells.
 bool command_settle(const duet_motion *m, command *c, duet_error *err);
 
-// Adds to *facts what the bodies of a command, if it has some, say. BAD_ARGUMENT if they call for an
-// effect that the motion lacks.
+// Adds to *facts what the bodies of a command, if it has some, say. BAD_ARGUMENT if they call for
+// an effect that the motion lacks.
 bool command_add_facts(const duet_motion *m, const command *c, effect_facts *facts,
                        duet_error *err);
 
@@ -113,16 +114,16 @@ __attribute__((format(printf, 5, 6))) bool command_fail(const command *c, uint32
                                                         const char *format, ...);
 bool command_refuse(const command *c, uint32_t i, const char *fault, duet_error *err);
 
-#define COMMAND(number, name, form, bodies, effect, type, rows)       \
-    bool check_##name(duet_motion *m, command *c, duet_error *err);   \
+#define COMMAND(number, name, form, bodies, effect, type, rows)     \
+    bool check_##name(duet_motion *m, command *c, duet_error *err); \
     bool act_##name(duet_motion *m, command *c, duet_error *err);
 #include "runtime/commands/commands.inl"
 
 // The check of a command whose list is all that can be wrong.
-#define CHECKS_ITS_LIST(name)                                          \
-    bool check_##name(duet_motion *m, command *c, duet_error *err)     \
-    {                                                                  \
-        return (void)m, (void)c, (void)err, true;                      \
+#define CHECKS_ITS_LIST(name)                                      \
+    bool check_##name(duet_motion *m, command *c, duet_error *err) \
+    {                                                              \
+        return (void)m, (void)c, (void)err, true;                  \
     }
 
 #endif

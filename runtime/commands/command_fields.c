@@ -126,8 +126,7 @@ bool check_set_bodies(duet_motion *m, command *c, duet_error *err)
     const duet_body *given = c->rows;
     if (c->fields & ~(uint32_t)DUET_BODY_ALL)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: fields is %#x; expected bits of duet_body_field", c->call,
-                         c->fields);
+                         "%s: fields is %#x; expected bits of duet_body_field", c->call, c->fields);
     if (!command_copy(m, c, err))
         return false;
     for (uint32_t i = 0; i < c->list.n; ++i)

@@ -54,9 +54,9 @@ static bool check_sums(const duet_motion *m, const motion_rows *rows, const comm
 bool check_apply_forces(duet_motion *m, command *c, duet_error *err)
 {
     motion_rows *rows = &c->pushed.forces;
-    return c->list.n == 0 || (check_numbers(c, err) &&
-                              motion_rows_at(m, FORCES, c->places, c->list.n, rows, err) &&
-                              check_sums(m, rows, c, err));
+    return c->list.n == 0 ||
+           (check_numbers(c, err) && motion_rows_at(m, FORCES, c->places, c->list.n, rows, err) &&
+            check_sums(m, rows, c, err));
 }
 
 bool act_apply_forces(duet_motion *m, command *c, duet_error *err)
@@ -136,7 +136,8 @@ static void changes_of(const duet_motion *m, const command_pushed *p, uint32_t p
     angular_change_of(m, impulse, q, inverse, angular_velocity);
 }
 
-static bool check_changes(const duet_motion *m, const command_pushed *p, const command *c, duet_error *err)
+static bool check_changes(const duet_motion *m, const command_pushed *p, const command *c,
+                          duet_error *err)
 {
     const duet_impulse *impulses = c->rows;
     for (uint32_t i = 0; i < c->list.n; ++i) {
@@ -146,8 +147,8 @@ static bool check_changes(const duet_motion *m, const command_pushed *p, const c
         for (uint32_t k = 0; k < 3; ++k) {
             if (!stays_finite(&p->velocities, place, k, velocity[k], command_count(c)))
                 return command_refuse(c, i, "its velocity would not be finite", err);
-            if (p->angular_velocities.of &&
-                !stays_finite(&p->angular_velocities, place, k, angular_velocity[k], command_count(c)))
+            if (p->angular_velocities.of && !stays_finite(&p->angular_velocities, place, k,
+                                                          angular_velocity[k], command_count(c)))
                 return command_refuse(c, i, "its angular velocity would not be finite", err);
         }
     }

@@ -33,7 +33,7 @@ duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts
 bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                          uint32_t n, duet_error *err);
 
-// Bytes of a body's state: what a step changes of it.
+// Bytes of a body's state: what a step changes of it, and if there were commands what these left.
 size_t domain_state_bytes(const duet_motion *m);
 
 // Finds where a state's centre is.
@@ -96,8 +96,11 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
 bool domain_make_bounds(duet_motion *m, duet_error *err);
 bool domain_lay_rows(duet_motion *m, duet_error *err);
 
-// Forgets what commands left behind; false if some still acts: a place without a body, or a push.
-bool domain_forget_commands(duet_motion *m);
+// Forgets what commands left behind if that is nothing.
+void domain_forget_idle_commands(duet_motion *m);
+
+// Whether the body at a place, which a state is of, was removed or is disabled.
+bool domain_is_hidden(const duet_motion *m, const char *state);
 
 // ---------------------------------------------------------------- a step's stages
 
@@ -145,6 +148,9 @@ bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err);
 bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
+
+// After the step of either kind ends what commands were for it.
+bool domain_end_commands(duet_motion *m, duet_error *err);
 
 // Whether all bodies are within the bounds that pairs were searched by, so that the next step
 // searches none.
