@@ -148,10 +148,9 @@ DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, b
 
 // Reads a scene whose bodies move, on rank 0, and divides them among the ranks' domains (parts of
 // the def each). Each rank's devices hold its domains' bodies and their ghosts. Replaces the motion
-// that the cluster had; other objects stay as they are. BAD_ARGUMENT for contact without
-// response, which several domains do not have yet, and for a cluster without devices. resume NULL:
-// the scene's beginning; else a file of duet_cluster_save_motion, of the same scene and any number
-// of ranks, which rank 0 reads.
+// that the cluster had; other objects stay as they are. BAD_ARGUMENT for a cluster without devices.
+// resume NULL: the scene's beginning; else a file of duet_cluster_save_motion, of the same scene
+// and any number of ranks, which rank 0 reads.
 DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
                                         const char *resume, duet_error *err);

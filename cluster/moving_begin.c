@@ -14,16 +14,6 @@
 // Bodies that rank 0 makes at one time.
 enum { CHUNK = 1 << 18 };
 
-static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
-{
-    const uint32_t contact = DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE;
-    return (motion->effects & contact) != DUET_EFFECT_CONTACT ||
-           error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: contact without response is not for several domains yet; expected "
-                     "contact_response in wants",
-                     scene);
-}
-
 // ---------------------------------------------------------------- the whole, on rank 0
 
 static duet_motion *know_objects(const duet_scene *scene, duet_device_pair *pair, duet_error *own)
@@ -42,8 +32,6 @@ static duet_motion *know_scene(const moving_start *start, duet_error *own)
 {
     duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
     duet_motion *known = scene ? know_objects(scene, start->pair, own) : NULL;
-    if (known)
-        check_effects(known, duet_scene_get_info(scene)->name, own);
     duet_scene_destroy(scene);
     return known;
 }
@@ -270,7 +258,7 @@ static bool deal_bodies(moving *m, duet_motion *known, item_list *contacts, duet
     m->domains[0].n_own = (uint32_t)m->domains[0].bodies.n;
     bool ok = moving_cut(m, own);
     all.bodies = m->domains[0].bodies;
-    if (ok && known && moving_pushes(m))
+    if (ok && known && moving_touches(m))
         moving_read_contacts(m, &all, contacts, own);
     forget_told(m, contacts);
     for (uint32_t k = 0; k < m->parts; ++k)

@@ -198,6 +198,12 @@ static inline void moving_keep_base(const moving *m, duet_motion *motion)
         motion->cells[0] = m->base;
 }
 
+// Returns whether it is known where bodies touch: then there are ghosts, and contacts travel.
+static inline bool moving_touches(const moving *m)
+{
+    return m->domains[0].motion->effects & DUET_EFFECT_CONTACT;
+}
+
 // Makes a motion without bodies, as a part of all of them.
 duet_motion *moving_create(const moving *m, duet_error *own);
 

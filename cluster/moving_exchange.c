@@ -423,7 +423,7 @@ static void reserve_places(moving_domain *d, duet_error *own)
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
 {
     bool ok = moving_migrate(m, own);
-    if (ok && moving_pushes(m))
+    if (ok && moving_touches(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
              share_contacts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {

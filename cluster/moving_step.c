@@ -35,7 +35,7 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
     domain_forget_bounds(d->motion); // others than those that the next step makes
     bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
-              (!moving_pushes(m) || domain_read_bounds(d->motion, bounds, own));
+              (!moving_touches(m) || domain_read_bounds(d->motion, bounds, own));
     for (uint64_t i = 0; ok && i < n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
         b->pose = d->motion->poses[i];
@@ -43,7 +43,7 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
         b->acts = (b->body.mass > 0.0f || b->body.sensor) &&
                   !domain_is_hidden(d->motion, states + i * state);
         memcpy(moving_state(b), states + i * state, state);
-        if (!moving_pushes(m))
+        if (!moving_touches(m))
             continue;
         memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
         widen(m, b);
@@ -156,7 +156,7 @@ static bool read_all(moving *m, const item_list *parted, item_list *contacts, du
         moving_read_bodies(m, &m->domains[k], own);
     if (moving_cut_is_due(m) && !moving_cut(m, own))
         return false;
-    for (uint32_t k = 0; is_well(own) && moving_pushes(m) && k < m->parts; ++k) {
+    for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k) {
         moving_read_contacts(m, &m->domains[k], contacts, own);
         send_parted(m, &m->domains[k], &parted[k], contacts);
     }
@@ -340,12 +340,6 @@ static bool respond(moving *m, duet_error *own)
     return true;
 }
 
-static bool fly(moving *m, duet_error *own)
-{
-    each(m, domain_fly, own);
-    return true;
-}
-
 // Contacts, which are long, are here only while they are exchanged.
 static void forget_contacts(moving *m)
 {
@@ -445,12 +439,28 @@ static void end_commands(moving *m, duet_error *own)
         moving_keep_base(m, m->domains[k].motion);
 }
 
+// Where bodies touch after the flight is found among ghosts of where they are then.
+static bool fly(moving *m, duet_error *own)
+{
+    each(m, domain_fly, own);
+    if (!settle_where_due(m, own))
+        return false;
+    if (moving_touches(m))
+        each(m, domain_find_contacts, own);
+    forget_contacts(m);
+    end_commands(m, own);
+    moving_find_events(m, own);
+    return true;
+}
+
 static bool step_together(moving *m, duet_error *own)
 {
     if (m->n_commands > 0 && !moving_settle(m, own))
         return false;
     forget_contacts(m);
-    if (!(moving_pushes(m) ? respond(m, own) : fly(m, own)))
+    if (!moving_pushes(m))
+        return fly(m, own);
+    if (!respond(m, own))
         return false;
     end_commands(m, own);
     moving_find_events(m, own);

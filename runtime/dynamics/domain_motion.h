@@ -107,8 +107,9 @@ bool domain_is_hidden(const duet_motion *m, const char *state);
 // Before the first step of all bodies, takes those apart that begin deep in each other.
 bool domain_begin_apart(duet_motion *m, duet_error *err);
 
-// In free flight a step is one stage.
+// Without response bodies fly, and where they then touch is looked at, if it is to be known.
 bool domain_fly(duet_motion *m, duet_error *err);
+bool domain_find_contacts(duet_motion *m, duet_error *err);
 
 // With response: manifolds of where the step begins, which may wake what leant on something that is
 // gone (RESTS).

@@ -61,6 +61,10 @@ static const world worlds[] = {
      "          'angular_velocity', 'friction' }, sleep_after = 0.1,\n",
      {1e7, -2e7, 0},
      true},
+    {"touches",
+     "wants = { 'forces', 'filter', 'sensors', 'events', 'angular_velocity' },\n",
+     {0},
+     false},
     {"free flight", "wants = { 'forces' },\n", {0}, false},
 };
 
