@@ -164,10 +164,12 @@ static void look(void)
         output_remove_parts();
         _exit(EXIT_FAILED);
     }
-    bool is_interactive = atomic_load(&reaction) == INTERRUPT_INTERACTIVE;
+    interrupt_reaction to = atomic_load(&reaction);
+    bool is_interactive = to == INTERRUPT_INTERACTIVE;
+    bool is_awaited = is_interactive || to == INTERRUPT_AWAITED;
     if (is_interactive && interrupt_age_ns() > WAITS_NS && !atomic_exchange(&told_waiting, true))
         SAY("duet: stops once the call under way returns; Ctrl-C again ends the program\n");
-    if (atomic_load(&insisted) || (!is_interactive && interrupt_age_ns() > DEAF_NS))
+    if (atomic_load(&insisted) || (!is_awaited && interrupt_age_ns() > DEAF_NS))
         end_with_line(0);
 }
 

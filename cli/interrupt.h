@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Ctrl-C, SIGTERM and SIGHUP: long work asks between two steps whether to stop, so that
-// what was done so far is kept. Work that does not ask is ended 1.5 s later, and a second
-// Ctrl-C ends all at once; what is half-written is removed first.
+// what was done so far is kept. Work that does not ask is ended 1.5 s later unless it is awaited,
+// and a second Ctrl-C ends all at once; what is half-written is removed first.
 //
 // The program then ends by the signal itself, not by an exit status: so a shell knows that
 // it was interrupted, and a loop of commands ends too.
@@ -33,6 +33,7 @@ void interrupt_hear(int number);
 // The effect of a signal from here on.
 typedef enum interrupt_reaction {
     INTERRUPT_NOTED,       // the state at first: work asks between two steps
+    INTERRUPT_AWAITED,     // the same, and the step under way is waited for, however long it takes
     INTERRUPT_INTERACTIVE, // ends the command that runs. If it must be waited for, a line says so,
                            // and a second Ctrl-C meanwhile ends the program
     INTERRUPT_ENDS,        // ends the program at once

@@ -136,8 +136,10 @@ static void write_line(const progress *p, uint64_t done, bool rate, char line[LI
     if (rate && !p->follows && done > 0 && seconds > 0)
         n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.3g a second", (double)done / seconds);
     if (p->total > done && done > 0)
-        snprintf(line + n, LINE_MOST - (size_t)n, ", %.0f s left",
-                 seconds * (double)(p->total - done) / (double)done);
+        n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.0f s left",
+                      seconds * (double)(p->total - done) / (double)done);
+    if (*p->note)
+        snprintf(line + n, LINE_MOST - (size_t)n, "; %s", p->note);
 }
 
 void say_on_terminal(void)

@@ -59,8 +59,9 @@ typedef struct progress {
     uint64_t begun_ns;
     uint64_t shown_ns;
     bool on_terminal;
-    bool is_part; // is a part of another
-    bool follows; // shows the progress of the library
+    bool is_part;  // is a part of another
+    bool follows;  // shows the progress of the library
+    char note[48]; // behind the rest; "": nothing
 } progress;
 
 // Has progress shown where stderr is a pipe to a terminal.

@@ -4,6 +4,10 @@
 
 #include "base/error.h"
 #include "cluster/moving.h"
+#include "cluster/moving_commands.h"
+#include "runtime/commands/commands.h"
+
+#include <stdlib.h>
 
 static void end_motion(duet_cluster *c)
 {
@@ -103,4 +107,72 @@ bool duet_cluster_save_motion(duet_cluster *c, const char *path, duet_error *err
     return error_given(c, __func__, "cluster", err) &&
            begin_call(c, __func__, path, "path", &own, err) &&
            (moving_save(c->moving, path, &own) || error_copy(err, &own));
+}
+
+// ---------------------------------------------------------------- commands
+
+// Only rank 0's arguments count.
+static bool give(duet_cluster *c, command *k, duet_error *err)
+{
+    PUBLIC_CALL(err);
+    duet_error own = {0};
+    k->call = k->op->cluster_call;
+    if (!error_given(c, k->call, "cluster", err))
+        return false;
+    if (c->ranks.self == 0)
+        command_check_given(k, &own);
+    if (!begin_call(c, k->call, c, "cluster", &own, err))
+        return false;
+    given_command given = moving_give(c->moving, k, &own);
+    if (given == COMMAND_BROKE)
+        end_motion(c);
+    return given == COMMAND_DONE || error_copy(err, &own);
+}
+
+#define GIVE(number, ...)                                                          \
+    {                                                                              \
+        return give(c, &(command){.op = command_op_at(number), __VA_ARGS__}, err); \
+    }
+#define CALL_LIST(number, name, type, given)                                        \
+    bool duet_cluster_##name(duet_cluster *c, duet_body_list list, duet_error *err) \
+        GIVE(number, .list = list)
+#define CALL_ROWS(number, name, type, given)                                          \
+    bool duet_cluster_##name(duet_cluster *c, duet_body_list list, const type *given, \
+                             duet_error *err) GIVE(number, .list = list, .rows = given)
+#define CALL_FIELDS(number, name, type, given)                                   \
+    bool duet_cluster_##name(duet_cluster *c, duet_body_list list, uint32_t set, \
+                             const type *given, duet_error *err)                 \
+        GIVE(number, .list = list, .fields = set, .rows = given)
+#define CALL_ADD(number, name, type, given)                                             \
+    bool duet_cluster_##name(duet_cluster *c, const type *given, const duet_body *come, \
+                             uint32_t n_come, uint64_t *named, duet_error *err)         \
+        GIVE(number, .list.n = n_come, .rows = given, .new_bodies = come, .new_ids = named)
+#define CALL_DEF(number, name, type, given)                                       \
+    bool duet_cluster_##name(duet_cluster *c, const type *given, duet_error *err) \
+        GIVE(number, .list.n = 1, .rows = given)
+#define COMMAND(number, name, form, bodies, effect, type, rows) \
+    CALL_##form(number, name, type, rows)
+#include "runtime/commands/commands.inl"
+
+const duet_motion_def *duet_cluster_get_motion_def(const duet_cluster *c)
+{
+    return c && c->moving ? moving_get_def(c->moving) : NULL;
+}
+
+bool duet_cluster_get_user_data(duet_cluster *c, duet_body_list list, uint64_t *data,
+                                duet_error *err)
+{
+    PUBLIC_CALL(err);
+    duet_error own = {0};
+    uint64_t *all = NULL;
+    uint32_t n = 0;
+    bool asks = list.n > 0;
+    if (!error_given(c, __func__, "cluster", err) ||
+        !begin_call(c, __func__, asks ? (const void *)data : c, "data", &own, err))
+        return false;
+    bool ok = moving_get_user_data(c->moving, list, __func__, &all, &n, &own);
+    for (uint32_t i = 0; ok && i < n && i < list.n; ++i)
+        data[i] = all[i];
+    free(all);
+    return ok || error_copy(err, &own);
 }

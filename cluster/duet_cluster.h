@@ -14,7 +14,7 @@
 #ifndef DUET_CLUSTER_H
 #define DUET_CLUSTER_H
 
-#include "duet_motion.h"
+#include "duet_motion_commands.h"
 
 DUET_C_BEGIN
 
@@ -148,10 +148,9 @@ DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, b
 
 // Reads a scene whose bodies move, on rank 0, and divides them among the ranks' domains (parts of
 // the def each). Each rank's devices hold its domains' bodies and their ghosts. Replaces the motion
-// that the cluster had; other objects stay as they are. BAD_ARGUMENT for contact without
-// response, which several domains do not have yet, and for a cluster without devices. resume NULL:
-// the scene's beginning; else a file of duet_cluster_save_motion, of the same scene and any number
-// of ranks, which rank 0 reads.
+// that the cluster had; other objects stay as they are. BAD_ARGUMENT for a cluster without devices.
+// resume NULL: the scene's beginning; else a file of duet_cluster_save_motion, of the same scene
+// and any number of ranks, which rank 0 reads.
 DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
                                         const char *resume, duet_error *err);
@@ -185,6 +184,49 @@ typedef struct duet_cluster_motion_result {
 // the motion is gone.
 DUET_API bool duet_cluster_advance(duet_cluster *cluster, duet_cluster_motion_result *result,
                                    duet_error *err);
+
+// ---------------------------------------------------------------- commands
+
+// The commands to a motion between its steps (duet_motion_commands.h, which says what each does),
+// by global ids. Rank 0's arguments are all ranks', and those of others may be NULL or 0; ids and
+// data are filled on each rank, as many as its own n says. The next step has the bits of a motion
+// that was given the same commands. If one fails with BAD_ARGUMENT or BAD_OBJECT, nothing has
+// changed; after another failure the motion is gone. With depenetration the first step comes before
+// them.
+DUET_API bool duet_cluster_add_bodies(duet_cluster *cluster, const duet_pose *poses,
+                                      const duet_body *bodies, uint32_t n, uint64_t *ids,
+                                      duet_error *err);
+DUET_API bool duet_cluster_remove_bodies(duet_cluster *cluster, duet_body_list list,
+                                         duet_error *err);
+DUET_API bool duet_cluster_disable_bodies(duet_cluster *cluster, duet_body_list list,
+                                          duet_error *err);
+DUET_API bool duet_cluster_enable_bodies(duet_cluster *cluster, duet_body_list list,
+                                         duet_error *err);
+DUET_API bool duet_cluster_wake_bodies(duet_cluster *cluster, duet_body_list list, duet_error *err);
+DUET_API bool duet_cluster_sleep_bodies(duet_cluster *cluster, duet_body_list list,
+                                        duet_error *err);
+DUET_API bool duet_cluster_set_bodies(duet_cluster *cluster, duet_body_list list, uint32_t fields,
+                                      const duet_body *bodies, duet_error *err);
+DUET_API bool duet_cluster_set_poses(duet_cluster *cluster, duet_body_list list,
+                                     const duet_pose *poses, duet_error *err);
+DUET_API bool duet_cluster_set_targets(duet_cluster *cluster, duet_body_list list,
+                                       const duet_transform *targets, duet_error *err);
+DUET_API bool duet_cluster_apply_forces(duet_cluster *cluster, duet_body_list list,
+                                        const duet_force *forces, duet_error *err);
+DUET_API bool duet_cluster_apply_impulses(duet_cluster *cluster, duet_body_list list,
+                                          const duet_impulse *impulses, duet_error *err);
+DUET_API bool duet_cluster_set_user_data(duet_cluster *cluster, duet_body_list list,
+                                         const uint64_t *data, duet_error *err);
+DUET_API bool duet_cluster_get_user_data(duet_cluster *cluster, duet_body_list list, uint64_t *data,
+                                         duet_error *err);
+
+// The motion's def, whose pair, plan and ground are this rank's; NULL: nothing moves. A def that is
+// set is rank 0's, changed in what duet_motion_set_def may change.
+DUET_API const duet_motion_def *duet_cluster_get_motion_def(const duet_cluster *cluster);
+DUET_API bool duet_cluster_set_def(duet_cluster *cluster, const duet_motion_def *def,
+                                   duet_error *err);
+
+// ---------------------------------------------------------------- a motion's state
 
 // Makes *hash that of duet_motion_get_hash, of all ranks' bodies.
 DUET_API bool duet_cluster_get_state_hash(duet_cluster *cluster, uint64_t *hash, duet_error *err);

@@ -1,6 +1,6 @@
 # The module cluster, the program duet-cluster and libduet_cluster.so, where MPI is there. README.md says why they are apart from duet and libduet.so.
 set(DUET_HAS_CLUSTER OFF)
-set(duet_arrows "${duet_arrows}  cluster -> selection\n")
+set(duet_arrows "${duet_arrows}  cluster -> selection\n  cluster -> commands\n")
 if(DUET_CLUSTER STREQUAL "OFF" OR DUET_SANITIZE MATCHES "thread|fuzzer")
   return()
 endif()
@@ -18,7 +18,7 @@ set(DUET_HAS_CLUSTER ON)
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(cluster FOLDER cluster WITHOUT cluster/simulated KNOWS selection LINKS MPI::MPI_C)
+duet_module(cluster FOLDER cluster WITHOUT cluster/simulated KNOWS selection commands LINKS MPI::MPI_C)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 set(duet_cluster_needs MPI::MPI_C)

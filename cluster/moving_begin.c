@@ -5,6 +5,7 @@
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
+#include "runtime/dynamics/motion_commands.h"
 #include "runtime/narrowphase/mesh.h"
 #include "runtime/scene/scene_bodies.h"
 
@@ -13,18 +14,13 @@
 // Bodies that rank 0 makes at one time.
 enum { CHUNK = 1 << 18 };
 
-static bool check_effects(const duet_motion *motion, const char *scene, duet_error *own)
+// A mesh that a body carries has its rows made from one domain's bodies.
+static bool check_mesh(const duet_motion *motion, const char *scene, duet_error *own)
 {
-    const uint32_t contact = DUET_EFFECT_CONTACT | DUET_EFFECT_CONTACT_RESPONSE;
-    if (motion->def.mesh && motion->def.mesh->carrier > 0)
-        return error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: a mesh that a body carries is not for several domains yet; expected "
-                         "one without a carrier",
-                         scene);
-    return (motion->effects & contact) != DUET_EFFECT_CONTACT ||
+    return !motion->def.mesh || motion->def.mesh->carrier == 0 ||
            error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: contact without response is not for several domains yet; expected "
-                     "contact_response in wants",
+                     "%s: a mesh that a body carries is not for several domains yet; expected one "
+                     "without a carrier",
                      scene);
 }
 
@@ -47,7 +43,7 @@ static duet_motion *know_scene(const moving_start *start, duet_error *own)
     duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
     duet_motion *known = scene ? know_objects(scene, start->pair, own) : NULL;
     if (known)
-        check_effects(known, duet_scene_get_info(scene)->name, own);
+        check_mesh(known, duet_scene_get_info(scene)->name, own);
     duet_scene_destroy(scene);
     return known;
 }
@@ -82,6 +78,7 @@ typedef struct moving_whole {
     cl_int4 base; // the origin cell that others are counted from
     uint32_t n_all;
     uint64_t step;
+    bool keeps_commands; // of a file
 } moving_whole;
 
 static moving_whole whole_of(const duet_motion *known)
@@ -90,7 +87,8 @@ static moving_whole whole_of(const duet_motion *known)
                       .facts = known->facts,
                       .extent = known->extent,
                       .n_all = known->n,
-                      .step = known->step};
+                      .step = known->step,
+                      .keeps_commands = known->commands};
     if (known->def.heights)
         w.heights = *known->def.heights;
     if (known->def.mesh)
@@ -100,15 +98,13 @@ static moving_whole whole_of(const duet_motion *known)
     return w;
 }
 
-// Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
-// memory all ranks fail.
-static void *tell_array(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own)
+void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own)
 {
     if (bytes == 0 || !is_well(own))
         return NULL;
     void *copy = malloc(bytes);
     if (!copy)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a ground: no memory");
+        error_set(own, DUET_STATUS_NO_MEMORY, "what rank 0 tells: no memory");
     else if (m->ranks->self == 0)
         memcpy(copy, of_rank_0, bytes);
     if (ranks_agree(m->ranks, is_well(own), own))
@@ -120,9 +116,9 @@ static void tell_ground(const moving *m, moving_whole *w, duet_error *own)
 {
     duet_heights *h = &w->heights;
     duet_mesh *mesh = &w->mesh;
-    h->heights = tell_array(m, h->heights, (size_t)h->nx * h->ny * sizeof *h->heights, own);
-    mesh->vertices = tell_array(m, mesh->vertices, mesh_vertex_bytes(mesh), own);
-    mesh->triangles = tell_array(m, mesh->triangles, mesh_triangle_bytes(mesh), own);
+    h->heights = moving_tell(m, h->heights, (size_t)h->nx * h->ny * sizeof *h->heights, own);
+    mesh->vertices = moving_tell(m, mesh->vertices, mesh_vertex_bytes(mesh), own);
+    mesh->triangles = moving_tell(m, mesh->triangles, mesh_triangle_bytes(mesh), own);
 }
 
 static void free_ground(const moving_whole *w)
@@ -145,6 +141,8 @@ static void take_whole(moving *m, const moving_whole *w, const moving_start *sta
     m->n_all = w->n_all;
     m->counts.bodies = w->n_all;
     m->counts.step = w->step;
+    m->keeps_commands = w->keeps_commands;
+    m->n_commands = w->keeps_commands; // the file may be of a motion that was given some
 }
 
 duet_motion *moving_create(const moving *m, duet_error *own)
@@ -152,8 +150,10 @@ duet_motion *moving_create(const moving *m, duet_error *own)
     duet_motion *motion = domain_create(&m->def, &m->facts, m->extent, own);
     if (motion)
         motion->step = m->counts.step;
-    if (motion && motion->cells)
-        motion->cells[0] = m->base;
+    if (motion)
+        moving_keep_base(m, motion);
+    if (motion && m->keeps_commands)
+        motion_begin_commands(motion, own);
     return motion;
 }
 
@@ -204,8 +204,7 @@ static bool open_all(moving *m, const duet_motion *known, const moving_start *st
 // ---------------------------------------------------------------- bodies, from rank 0
 
 // Adds bodies of the whole to the first domain, as if they were its own; `reader` has them.
-static void add_bodies(moving *m, const duet_motion *known, duet_motion *reader, uint32_t first,
-                       uint32_t n, duet_error *own)
+static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t n, duet_error *own)
 {
     moving_domain *to = &m->domains[0];
     moving_domain some = {.motion = reader, .number = to->number};
@@ -216,8 +215,7 @@ static void add_bodies(moving *m, const duet_motion *known, duet_motion *reader,
         moving_body *b = moving_body_at(m, &some.bodies, i);
         b->id = first + i;
         b->own = b->domain = to->number;
-        b->pose = known->poses[first + i];
-        b->body = known->bodies[first + i];
+        b->complete = 1;
     }
     some.bodies.n = is_well(own) ? n : 0;
     moving_read_bodies(m, &some, own);
@@ -250,7 +248,7 @@ static bool begin_bodies(moving *m, const duet_motion *known, duet_error *own)
         duet_motion *reader = m->domains[0].motion;
         if (known &&
             domain_begin_bodies(reader, known->poses + first, known->bodies + first, n, own))
-            add_bodies(m, known, reader, first, n, own);
+            add_bodies(m, reader, first, n, own);
         ok = moving_migrate(m, own);
     }
     return ok;
@@ -268,11 +266,11 @@ static bool deal_bodies(moving *m, duet_motion *known, item_list *contacts, duet
 {
     moving_domain all = {.motion = known, .number = m->domains[0].number};
     if (known)
-        add_bodies(m, known, known, 0, known->n, own);
+        add_bodies(m, known, 0, known->n, own);
     m->domains[0].n_own = (uint32_t)m->domains[0].bodies.n;
     bool ok = moving_cut(m, own);
     all.bodies = m->domains[0].bodies;
-    if (ok && known && moving_pushes(m))
+    if (ok && known && moving_touches(m))
         moving_read_contacts(m, &all, contacts, own);
     forget_told(m, contacts);
     for (uint32_t k = 0; k < m->parts; ++k)

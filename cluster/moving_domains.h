@@ -26,11 +26,14 @@
 
 // A body as it travels. Its state (domain_state_bytes) lies behind.
 typedef struct moving_body {
-    uint32_t domain; // that it goes to
-    uint32_t own;    // the domain whose own it is
-    uint32_t id;
-    float bounds[6]; // that ghosts are chosen by
-    duet_pose pose;  // as given
+    uint32_t domain;   // that it goes to
+    uint32_t own;      // the domain whose own it is
+    uint32_t id;       // its place among all bodies
+    float bounds[6];   // that ghosts are chosen by
+    uint32_t acts;     // whether it has contacts with what does not
+    uint32_t complete; // whether its own domain has all its contacts: those of what acted since
+                       // bodies were exchanged
+    duet_pose pose;    // as given
     duet_body body;
 } moving_body;
 
@@ -56,7 +59,7 @@ typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;    // of all ranks' domains
     item_list bodies;   // ascending by id; the motion's, place by place
-    item_list contacts; // ascending; what the next step begins with
+    item_list contacts; // ascending; what the next step begins with, until that begins
     uint32_t n_own;
     uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here
     uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
@@ -87,7 +90,9 @@ struct moving {
     uint32_t parts; // domains of each rank
     uint32_t every; // colours after which ghosts come at the latest
     uint32_t n_domains, n_all;
-    cl_int4 base; // the origin cell that all count from
+    cl_int4 base;        // the origin cell that all count from
+    bool keeps_commands; // states have what commands left
+    uint64_t n_commands; // since the last step
     size_t body_bytes, contact_bytes;
     bisection cuts;
     extent *reaches;        // [n_domains], when bodies were last exchanged
@@ -122,16 +127,10 @@ static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
     return b->own == d->number;
 }
 
-// Whether it has contacts with what does not.
-static inline bool moving_acts(const moving_body *b)
-{
-    return b->body.mass > 0.0f || b->body.sensor;
-}
-
 // Whether it is the domain's own and acts: then its contacts are right there.
 static inline bool moving_decides(const moving_domain *d, const moving_body *b)
 {
-    return b->own == d->number && moving_acts(b);
+    return b->own == d->number && b->acts;
 }
 
 // Returns the body at a place; NULL: a wall, or the ground.
@@ -193,10 +192,23 @@ static inline bool moving_pushes(const moving *m)
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
 }
 
+// Lets a domain count cells from that of all, whatever the cell of its first body is.
+static inline void moving_keep_base(const moving *m, duet_motion *motion)
+{
+    if (motion->cells)
+        motion->cells[0] = m->base;
+}
+
+// Returns whether it is known where bodies touch: then there are ghosts, and contacts travel.
+static inline bool moving_touches(const moving *m)
+{
+    return m->domains[0].motion->effects & DUET_EFFECT_CONTACT;
+}
+
 // Makes a motion without bodies, as a part of all of them.
 duet_motion *moving_create(const moving *m, duet_error *own);
 
-// Reads what a step made of a domain's bodies; not collective.
+// Reads what a step and commands made of a domain's bodies; not collective.
 void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
 
 // Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
@@ -226,6 +238,10 @@ uint64_t moving_sampled(uint64_t n);
 
 // Sorts a domain's bodies and contacts, and makes them those of its motion.
 void moving_replace(moving *m, moving_domain *d, duet_error *own);
+
+// Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
+// memory all ranks fail.
+void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own);
 
 // Makes a motion of all bodies that of a file; not collective.
 bool moving_load(duet_motion *whole, const char *path, duet_error *own);

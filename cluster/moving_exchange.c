@@ -106,7 +106,7 @@ static extent reach_of(const moving *m, const moving_domain *d)
         const moving_body *b = moving_body_at(m, &d->bodies, i);
         const double lower[3] = {b->bounds[0], b->bounds[1], b->bounds[2]};
         const double upper[3] = {b->bounds[3], b->bounds[4], b->bounds[5]};
-        if (!moving_acts(b))
+        if (!b->acts)
             continue;
         extent_add(&reach, lower);
         extent_add(&reach, upper);
@@ -333,6 +333,7 @@ static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
     const size_t state = m->body_bytes - sizeof(moving_body);
     for (uint64_t i = 0; i < d->bodies.n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
+        b->complete = b->acts || m->n_domains == 1;
         r->poses[i] = b->pose;
         r->bodies[i] = b->body;
         memcpy(r->states + i * state, moving_state(b), state);
@@ -385,6 +386,7 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
 {
     replacement r = {0};
     sort_domain(m, d);
+    moving_keep_base(m, d->motion);
     if (!reserve(m, d, &r)) {
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
@@ -433,7 +435,7 @@ static void reserve_places(moving_domain *d, duet_error *own)
 bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
 {
     bool ok = moving_migrate(m, own);
-    if (ok && moving_pushes(m))
+    if (ok && moving_touches(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
              share_contacts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {

@@ -64,8 +64,12 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
     if (!whole.motion)
         return;
     moving_replace(m, &whole, own);
-    if (is_well(own) && domain_make_bounds(whole.motion, own) && domain_lay_rows(whole.motion, own))
+    if (is_well(own) && domain_make_bounds(whole.motion, own) &&
+        domain_lay_rows(whole.motion, own)) {
+        if (m->n_commands > 0)
+            motion_alter_all(whole.motion);
         duet_motion_save(whole.motion, path, own);
+    }
     duet_motion_destroy(whole.motion);
 }
 
@@ -90,13 +94,10 @@ bool moving_save(moving *m, const char *path, duet_error *own)
 
 // ---------------------------------------------------------------- loading
 
-// Bodies that commands hid are in no domain.
 bool moving_load(duet_motion *whole, const char *path, duet_error *own)
 {
-    return duet_motion_load(whole, path, own) &&
-           (domain_forget_commands(whole) ||
-            error_set(own, DUET_STATUS_BAD_INPUT,
-                      "%s: bodies were removed, disabled, pushed or aimed; several domains have no "
-                      "such bodies yet",
-                      path));
+    if (!duet_motion_load(whole, path, own))
+        return false;
+    domain_forget_idle_commands(whole);
+    return true;
 }

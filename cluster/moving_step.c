@@ -35,11 +35,15 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
     domain_forget_bounds(d->motion); // others than those that the next step makes
     bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
-              (!moving_pushes(m) || domain_read_bounds(d->motion, bounds, own));
+              (!moving_touches(m) || domain_read_bounds(d->motion, bounds, own));
     for (uint64_t i = 0; ok && i < n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
+        b->pose = d->motion->poses[i];
+        b->body = d->motion->bodies[i];
+        b->acts = (b->body.mass > 0.0f || b->body.sensor) &&
+                  !domain_is_hidden(d->motion, states + i * state);
         memcpy(moving_state(b), states + i * state, state);
-        if (!moving_pushes(m))
+        if (!moving_touches(m))
             continue;
         memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
         widen(m, b);
@@ -55,29 +59,75 @@ typedef struct contact_row {
     float record[MOST_RECORD];
 } contact_row;
 
-// A contact goes to the domains that own its ends next, of which this one knows those of its own.
+// The domain that a contact goes to for an end of it: the next one of an own body that acts, or is
+// the owner, whose domain tells that the contact ended; and of another's body which commands made
+// act, since its own domain has not seen the contact. UINT32_MAX: none.
+static uint32_t next_of(const moving *m, const moving_domain *d, const moving_body *b,
+                        bool is_owner)
+{
+    bool sends = b && (moving_is_own(d, b) ? b->acts || is_owner : b->acts && !b->complete);
+    return sends ? moving_domain_of(m, b) : UINT32_MAX;
+}
+
+// A contact is right where its owner is own, which acted, or an end whose contacts are all there.
+static bool is_right(const moving *m, const moving_domain *d, const uint32_t ends[2])
+{
+    const moving_body *other = moving_body_or_wall(m, d, ends[1]);
+    return moving_owns(m, d, ends[0]) || (other && moving_is_own(d, other) && other->complete);
+}
+
 // Domains of this rank get it at once.
+static void send_contact(moving *m, moving_contact *row, const uint32_t next[2],
+                         item_list *contacts)
+{
+    row->domain = UINT32_MAX;
+    for (int k = 0; k < 2; ++k) {
+        if (next[k] == UINT32_MAX || next[k] == row->domain)
+            continue;
+        row->domain = next[k];
+        list_add(next[k] / m->parts == (uint32_t)m->ranks->self
+                     ? &m->domains[next[k] % m->parts].contacts
+                     : contacts,
+                 row, 1, m->contact_bytes);
+    }
+}
+
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
                         bool is_told, item_list *contacts)
 {
     const size_t record = m->contact_bytes - sizeof(moving_contact);
     const uint32_t *ends = from->links[i].s;
-    contact_row row = {.head = {.domain = UINT32_MAX,
-                                .owner = moving_id(m, d, ends[0]),
+    if (!is_right(m, d, ends))
+        return;
+    contact_row row = {.head = {.owner = moving_id(m, d, ends[0]),
                                 .other = moving_id(m, d, ends[1]),
                                 .touch = from->touches[i],
                                 .colour = from->colours[i],
                                 .told = is_told}};
     memcpy(row.record, (const char *)from->records + i * record, record);
-    for (int k = 0; k < 2; ++k) {
-        const moving_body *b = moving_body_or_wall(m, d, ends[k]);
-        uint32_t to = b && moving_decides(d, b) ? moving_domain_of(m, b) : UINT32_MAX;
-        if (to == UINT32_MAX || to == row.head.domain)
+    const uint32_t next[2] = {next_of(m, d, moving_body_or_wall(m, d, ends[0]), true),
+                              next_of(m, d, moving_body_or_wall(m, d, ends[1]), false)};
+    send_contact(m, &row.head, next, contacts);
+}
+
+// Contacts of which an end is not here are in no motion, and stay until a step ends them: commands
+// may bring it back.
+static void send_parted(moving *m, const moving_domain *d, const item_list *parted,
+                        item_list *contacts)
+{
+    for (uint64_t i = 0; i < parted->n; ++i) {
+        moving_contact *c = moving_contact_at(m, parted, i);
+        const uint32_t owner = moving_place(m, d, c->owner),
+                       other = c->other < m->n_all ? moving_place(m, d, c->other) : 0;
+        if (owner != UINT32_MAX && other != UINT32_MAX)
             continue;
-        row.head.domain = to;
-        list_add(to / m->parts == (uint32_t)m->ranks->self ? &m->domains[to % m->parts].contacts
-                                                           : contacts,
-                 &row, 1, m->contact_bytes);
+        const uint32_t next[2] = {moving_owns(m, d, owner)
+                                      ? next_of(m, d, moving_body_at(m, &d->bodies, owner), true)
+                                      : UINT32_MAX,
+                                  c->other < m->n_all && moving_owns(m, d, other)
+                                      ? next_of(m, d, moving_body_at(m, &d->bodies, other), false)
+                                      : UINT32_MAX};
+        send_contact(m, c, next, contacts);
     }
 }
 
@@ -100,14 +150,16 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 }
 
 // The domains that contacts go to follow from where bodies are, and from the borders.
-static bool read_all(moving *m, item_list *contacts, duet_error *own)
+static bool read_all(moving *m, const item_list *parted, item_list *contacts, duet_error *own)
 {
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         moving_read_bodies(m, &m->domains[k], own);
     if (moving_cut_is_due(m) && !moving_cut(m, own))
         return false;
-    for (uint32_t k = 0; is_well(own) && moving_pushes(m) && k < m->parts; ++k)
+    for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k) {
         moving_read_contacts(m, &m->domains[k], contacts, own);
+        send_parted(m, &m->domains[k], &parted[k], contacts);
+    }
     return true;
 }
 
@@ -288,12 +340,6 @@ static bool respond(moving *m, duet_error *own)
     return true;
 }
 
-static bool fly(moving *m, duet_error *own)
-{
-    each(m, domain_fly, own);
-    return true;
-}
-
 // Contacts, which are long, are here only while they are exchanged.
 static void forget_contacts(moving *m)
 {
@@ -305,9 +351,17 @@ static void forget_contacts(moving *m)
 
 bool moving_settle(moving *m, duet_error *own)
 {
-    item_list contacts = {0};
-    forget_contacts(m);
-    bool ok = read_all(m, &contacts, own) && moving_exchange(m, &contacts, own);
+    item_list contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
+    if (!parted)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+    for (uint32_t k = 0; parted && k < m->parts; ++k) {
+        parted[k] = m->domains[k].contacts;
+        m->domains[k].contacts = (item_list){0};
+    }
+    bool ok = read_all(m, parted, &contacts, own) && moving_exchange(m, &contacts, own);
+    for (uint32_t k = 0; parted && k < m->parts; ++k)
+        free(parted[k].items);
+    free(parted);
     free(contacts.items);
     return ok;
 }
@@ -371,6 +425,7 @@ static bool settle_where_due(moving *m, duet_error *own)
 static bool step_alone(moving *m, duet_error *own)
 {
     duet_motion_result result;
+    forget_contacts(m);
     if (!is_well(own) || !duet_motion_advance(m->domains[0].motion, &result, own))
         return false;
     m->counts.contacts = result.contacts;
@@ -378,19 +433,46 @@ static bool step_alone(moving *m, duet_error *own)
     return true;
 }
 
+static void end_commands(moving *m, duet_error *own)
+{
+    each(m, domain_end_commands, own);
+    for (uint32_t k = 0; k < m->parts; ++k)
+        moving_keep_base(m, m->domains[k].motion);
+}
+
+// Where bodies touch after the flight is found among ghosts of where they are then.
+static bool fly(moving *m, duet_error *own)
+{
+    each(m, domain_fly, own);
+    if (!settle_where_due(m, own))
+        return false;
+    if (moving_touches(m))
+        each(m, domain_find_contacts, own);
+    forget_contacts(m);
+    end_commands(m, own);
+    moving_find_events(m, own);
+    return true;
+}
+
 static bool step_together(moving *m, duet_error *own)
 {
-    if (!(moving_pushes(m) ? respond(m, own) : fly(m, own)))
+    if (m->n_commands > 0 && !moving_settle(m, own))
         return false;
+    forget_contacts(m);
+    if (!moving_pushes(m))
+        return fly(m, own);
+    if (!respond(m, own))
+        return false;
+    end_commands(m, own);
     moving_find_events(m, own);
     return settle_where_due(m, own);
 }
 
 bool moving_step(moving *m, duet_error *own)
 {
-    forget_contacts(m);
     bool ok = m->n_domains == 1 ? step_alone(m, own) : step_together(m, own);
     m->counts.step += ok;
+    m->n_commands = 0;
     return ok;
 }
 

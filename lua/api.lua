@@ -927,6 +927,24 @@ for class, columns in pairs {
   end
 end
 
+-- A cluster's motion takes the commands of a motion.
+local of_cluster = {
+  set_def = { "duet_cluster_set_def", "duet_cluster_get_motion_def" }, user_data = "duet_cluster_get_user_data",
+}
+for _, name in ipairs {
+  "add_bodies", "remove_bodies", "disable_bodies", "enable_bodies", "wake_bodies", "sleep_bodies", "set_user_data",
+  "user_data", "set_bodies", "set_poses", "set_def", "apply_forces", "apply_impulses", "set_targets",
+} do
+  for k = 1, #api.names do
+    local row = api.names[k]
+    if row[1] == "duet.Motion:" .. name then
+      api.names[#api.names + 1] = { "duet.Cluster:" .. name, row[2], row[3],
+        row[4] .. " On all ranks; what rank 0 gives counts.", fails = true,
+        c = of_cluster[name] or "duet_cluster_" .. name }
+    end
+  end
+end
+
 -- In one order, whatever pairs did above.
 table.sort(api.names, function(a, b) return a[1] < b[1] end)
 

@@ -5,6 +5,7 @@
 // cluster until it is closed, or until the state is, which closes the last one first.
 #include "base/error.h"
 #include "cluster/duet_cluster.h"
+#include "lua/motion_commands.h"
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
@@ -39,19 +40,26 @@
     X(get_motion_step, duet_cluster_get_motion_step) \
     X(advance, duet_cluster_advance)                 \
     X(get_state_hash, duet_cluster_get_state_hash)   \
-    X(save_motion, duet_cluster_save_motion)
+    X(save_motion, duet_cluster_save_motion)         \
+    X(get_motion_def, duet_cluster_get_motion_def)   \
+    X(get_user_data, duet_cluster_get_user_data)
 
 #define TYPE_OF(member, call) __typeof__(&(call)) member;
 #define NAME_OF(member, call) {#call, offsetof(cluster_library, member)},
 
 typedef struct cluster_library {
     CLUSTER_CALLS(TYPE_OF)
+#define COMMAND(number, name, form, bodies, effect, type, rows) TYPE_OF(name, duet_cluster_##name)
+#include "runtime/commands/commands.inl"
 } cluster_library;
 
 static const struct {
     const char *name;
     size_t place;
-} call_names[] = {CLUSTER_CALLS(NAME_OF)};
+} call_names[] = {CLUSTER_CALLS(NAME_OF)
+#define COMMAND(number, name, form, bodies, effect, type, rows) NAME_OF(name, duet_cluster_##name)
+#include "runtime/commands/commands.inl"
+};
 
 // All of them, or the name of the first that is not there.
 static const char *find_calls(void *library, cluster_library *found)
@@ -485,6 +493,53 @@ static int cluster_save_motion(lua_State *L)
     return class_push_done(L, box->calls->save_motion(box->cluster.object, path, &err), &err);
 }
 
+// ---------------------------------------------------------------- commands
+
+#define SEND_LIST(name) l->name(c, k->list, err)
+#define SEND_ROWS(name) l->name(c, k->list, k->rows, err)
+#define SEND_FIELDS(name) l->name(c, k->list, k->fields, k->rows, err)
+#define SEND_ADD(name) l->name(c, k->rows, k->new_bodies, k->list.n, k->new_ids, err)
+#define SEND_DEF(name) l->name(c, k->rows, err)
+
+static bool send(const cluster_library *l, duet_cluster *c, const command *k, duet_error *err)
+{
+    switch (k->op->number) {
+#define COMMAND(number, name, form, bodies, effect, type, rows) \
+    case number:                                                \
+        return SEND_##form(name);
+#include "runtime/commands/commands.inl"
+    default:
+        return false;
+    }
+}
+
+static int cluster_command(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    const duet_motion_def *moving = box->calls->get_motion_def(box->cluster.object);
+    duet_motion_def def = moving ? *moving : (duet_motion_def){0};
+    const command c = command_read_lua(L, &def);
+    return command_push_lua(L, &c, send(box->calls, box->cluster.object, &c, &err), &err);
+}
+
+// cluster:user_data(list)
+static int cluster_user_data(lua_State *L)
+{
+    duet_error err = {0};
+    cluster_box *box = check(L);
+    duet_body_list list = command_check_list_lua(L, 2);
+    array *data = array_push(L, ARRAY_IDS, list.n);
+    return box->calls->get_user_data(box->cluster.object, list, data->rows, &err)
+               ? 1
+               : class_push_failure(L, &err);
+}
+
+static const lua_shared commands[] = {
+#define COMMAND(number, name, form, bodies, effect, type, rows) {#name, cluster_command, number},
+#include "runtime/commands/commands.inl"
+    {NULL, NULL, 0}};
+
 static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"load_scene", cluster_load_scene},
                                    {"scene", cluster_scene},
@@ -502,6 +557,7 @@ static const luaL_Reg methods[] = {{"close", cluster_close},
                                    {"advance", cluster_advance},
                                    {"state_hash", cluster_state_hash},
                                    {"save_motion", cluster_save_motion},
+                                   {"user_data", cluster_user_data},
                                    {NULL, NULL}};
 static const lua_class cluster_class = {.name = "duet.cluster",
                                         .methods = methods,
@@ -512,6 +568,8 @@ static const lua_class cluster_class = {.name = "duet.cluster",
 void cluster_open_lua(lua_State *L)
 {
     static const luaL_Reg functions[] = {{"cluster", create}, {NULL, NULL}};
+    static const luaL_Reg no_methods[] = {{NULL, NULL}};
     class_open(L, &cluster_class);
+    class_add_methods(L, cluster_class.name, no_methods, commands);
     luaL_setfuncs(L, functions, 0);
 }

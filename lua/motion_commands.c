@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Commands to a motion between its steps, and its states in place.
+#include "lua/motion_commands.h"
 #include "lua/nouns.h"
 #include "runtime/commands/commands.h"
 
@@ -7,8 +8,7 @@
 
 // ---------------------------------------------------------------- lists
 
-// ids, or { first = place, n = count }, or one id.
-static duet_body_list check_list(lua_State *L, int index)
+duet_body_list command_check_list_lua(lua_State *L, int index)
 {
     if (lua_type(L, index) == LUA_TTABLE && lua_getfield(L, index, "first") != LUA_TNIL) {
         lua_getfield(L, index, "n");
@@ -87,61 +87,63 @@ static const array_kind row_kinds[] = {
 #include "runtime/commands/commands.inl"
 };
 
-// The method's command: its upvalue is the number in commands.inl.
-static command begin(lua_State *L)
-{
-    return (command){.op = command_op_at((uint32_t)lua_tointeger(L, lua_upvalueindex(1)))};
-}
-
-// motion:remove_bodies(list), motion:set_poses(list, poses), motion:set_bodies(list, fields,
-// bodies)
-static int give(lua_State *L)
-{
-    duet_error err = {0};
-    duet_motion *motion = motion_check_lua(L);
-    command c = begin(L);
-    int at = 3;
-    c.list = check_list(L, 2);
-    if (c.op->form == COMMAND_FIELDS)
-        c.fields = check_fields(L, at++);
-    if (c.op->rows)
-        c.rows = check_rows(L, at, row_kinds[c.op->number], c.list.n);
-    return class_push_done(L, command_give(motion, &c, &err), &err);
-}
-
-// motion:add_bodies(poses, bodies) -> their ids
-static int add(lua_State *L)
-{
-    duet_error err = {0};
-    lua_settop(L, 3);
-    duet_motion *motion = motion_check_lua(L);
-    const array *poses = array_check(L, 2, ARRAY_POSES);
-    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "more than 2^32 - 1 objects");
-    command c = begin(L);
-    c.list.n = (uint32_t)poses->n;
-    c.rows = poses->rows;
-    c.new_bodies = lua_isnil(L, 3) ? NULL : check_rows(L, 3, ARRAY_BODIES, c.list.n);
-    c.new_ids = array_push(L, ARRAY_IDS, c.list.n)->rows;
-    return command_give(motion, &c, &err) ? 1 : class_push_failure(L, &err);
-}
-
 static const member def_members[] = {
 #define DEF_MEMBER(name) MEMBER(member_double, duet_motion_def, name),
 #include "runtime/commands/def_members.inl"
     {0},
 };
 
-// motion:set_def(members that change)
-static int change(lua_State *L)
+// (list), (list, poses), (list, fields, bodies)
+static void read_listed(lua_State *L, command *c)
+{
+    int at = 3;
+    c->list = command_check_list_lua(L, 2);
+    if (c->op->form == COMMAND_FIELDS)
+        c->fields = check_fields(L, at++);
+    if (c->op->rows)
+        c->rows = check_rows(L, at, row_kinds[c->op->number], c->list.n);
+}
+
+// (poses, bodies); leaves the array of their ids on the stack.
+static void read_coming(lua_State *L, command *c)
+{
+    lua_settop(L, 3);
+    const array *poses = array_check(L, 2, ARRAY_POSES);
+    luaL_argcheck(L, poses->n <= UINT32_MAX, 2, "more than 2^32 - 1 objects");
+    c->list.n = (uint32_t)poses->n;
+    c->rows = poses->rows;
+    c->new_bodies = lua_isnil(L, 3) ? NULL : check_rows(L, 3, ARRAY_BODIES, c->list.n);
+    c->new_ids = array_push(L, ARRAY_IDS, c->list.n)->rows;
+}
+
+// The method's upvalue is the command's number in commands.inl.
+command command_read_lua(lua_State *L, duet_motion_def *def)
+{
+    command c = {.op = command_op_at((uint32_t)lua_tointeger(L, lua_upvalueindex(1)))};
+    if (c.op->form == COMMAND_ADD) {
+        read_coming(L, &c);
+    } else if (c.op->form == COMMAND_DEF) {
+        member_read_table(L, 2, "what of a motion can change", def_members, def);
+        c.list.n = 1;
+        c.rows = def;
+    } else {
+        read_listed(L, &c);
+    }
+    return c;
+}
+
+int command_push_lua(lua_State *L, const command *c, bool ok, const duet_error *err)
+{
+    return ok && c->op->form == COMMAND_ADD ? 1 : class_push_done(L, ok, err);
+}
+
+static int give(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
     duet_motion_def def = *duet_motion_get_def(motion);
-    member_read_table(L, 2, "what of a motion can change", def_members, &def);
-    command c = begin(L);
-    c.list.n = 1;
-    c.rows = &def;
-    return class_push_done(L, command_give(motion, &c, &err), &err);
+    command c = command_read_lua(L, &def);
+    return command_push_lua(L, &c, command_give(motion, &c, &err), &err);
 }
 
 // ---------------------------------------------------------------- what is asked
@@ -179,7 +181,7 @@ static int get_user_data(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = check_list(L, 2);
+    duet_body_list list = command_check_list_lua(L, 2);
     array *data = array_push(L, ARRAY_IDS, list.n);
     return duet_motion_get_user_data(motion, list, data->rows, &err) ? 1
                                                                      : class_push_failure(L, &err);
@@ -231,13 +233,8 @@ static const luaL_Reg methods[] = {
     {"def", get_def}, {"map_states", map_states}, {"unmap_states", unmap_states},
     {NULL, NULL}};
 
-#define METHOD_LIST give
-#define METHOD_ROWS give
-#define METHOD_FIELDS give
-#define METHOD_ADD add
-#define METHOD_DEF change
 static const lua_shared commands[] = {
-#define COMMAND(number, name, form, bodies, effect, type, rows) {#name, METHOD_##form, number},
+#define COMMAND(number, name, form, bodies, effect, type, rows) {#name, give, number},
 #include "runtime/commands/commands.inl"
     {NULL, NULL, 0}};
 

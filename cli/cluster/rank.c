@@ -202,7 +202,7 @@ static bool run_steps(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
     bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err);
-    interrupt_react(INTERRUPT_NOTED);
+    interrupt_react(INTERRUPT_AWAITED);
     ok = ok && step(r, err);
     progress p = progress_begin("step", repeat);
     while (ok && r->n_steps < repeat && r->cluster->step != STEP_STOPPED) {

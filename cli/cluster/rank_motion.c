@@ -75,6 +75,15 @@ static bool save(const moved *r, bool is_last, duet_error *err)
            duet_cluster_save_motion(r->cluster, r->args->checkpoint, err);
 }
 
+static void show_step(const moved *r, progress *p)
+{
+    const duet_cluster_motion_result *last = &r->last;
+    if (r->cluster->ranks.n > 1 && last->mean_ms > 0)
+        snprintf(p->note, sizeof p->note, "rank %" PRIu32 " slowest, %.2f of the mean",
+                 last->slowest_rank, last->slowest_ms / last->mean_ms);
+    progress_show(p, last->step);
+}
+
 // A rank that is asked to stop stops all.
 static bool run_steps(moved *r, duet_error *err)
 {
@@ -94,7 +103,7 @@ static bool run_steps(moved *r, duet_error *err)
         ok = ok && rank_frames_add(&r->frames, r->last.step, err) &&
              save(r, r->is_stopped || r->last.step == r->args->steps, err);
         if (tells)
-            progress_show(&p, r->last.step);
+            show_step(r, &p);
     }
     progress_end(&p);
     return ok;
@@ -107,7 +116,7 @@ static bool report(const moved *r, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("scene", r->scene), NUMBER("objects", last->bodies),
              NUMBER("ranks", r->cluster->ranks.n), NUMBER("parts", r->args->parts),
-             NUMBER("steps", last->step), NUMBER("ms_a_step", mean_ms),
+             NUMBER("step", last->step), NUMBER("steps", r->n_steps), NUMBER("ms_a_step", mean_ms),
              NUMBER("contacts", last->contacts), NUMBER("colours", last->colours),
              NUMBER("ghosts", last->ghosts));
     if (r->mean_ms > 0)
@@ -132,7 +141,7 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
     moved r = {.cluster = cluster, .args = args, .scene = scene};
     if (!begin(&r, err))
         return false;
-    interrupt_react(INTERRUPT_NOTED);
+    interrupt_react(INTERRUPT_AWAITED);
     bool ok = rank_frames_begin(&r.frames, args->frames, cluster, err) && run_steps(&r, err) &&
               duet_cluster_get_state_hash(cluster, &r.hash, err) &&
               ranks_agree(&cluster->ranks, tell(&r, err), err) &&

@@ -131,10 +131,11 @@ bool motion_report_end(const motion_report *r, uint64_t hash, bool json, duet_er
     if (!duet_motion_get_energy(r->motion, &e, err))
         return false;
     cJSON *o = describe(r, duet_motion_get_count(r->motion));
-    json_add(o, NUMBER("steps", r->done), NUMBER("time", r->last.time),
-             NUMBER("ms_a_step", mean_ms(r)), NUMBER("slowest_ms", r->slowest_ms),
-             NUMBER("pairs", r->last.pairs), NUMBER("contacts", r->last.contacts),
-             NUMBER("kinetic", e.kinetic + e.turning), NUMBER("potential", e.potential));
+    json_add(o, NUMBER("step", duet_motion_get_step(r->motion)), NUMBER("steps", r->done),
+             NUMBER("time", r->last.time), NUMBER("ms_a_step", mean_ms(r)),
+             NUMBER("slowest_ms", r->slowest_ms), NUMBER("pairs", r->last.pairs),
+             NUMBER("contacts", r->last.contacts), NUMBER("kinetic", e.kinetic + e.turning),
+             NUMBER("potential", e.potential));
     json_add_hash(o, hash);
     add_stage_times(o, r, json);
     json_add(o, NUMBER("timed_steps", r->timed_steps));

@@ -6,7 +6,7 @@ local line, count = report.line, report.count
 return function(o)
   line("%s: %s bodies, %s of %.0f\n", o.scene, count(o.objects), report.things(o.ranks, "rank", "ranks"), o.parts)
   local row = report.columns("lrl")
-  row("steps", count(o.steps), ("%.3f ms a step"):format(o.ms_a_step))
+  row("steps", count(o.steps), ("%.3f ms a step, to step %.0f"):format(o.ms_a_step, o.step))
   row("contacts", count(o.contacts), ("push, in %.0f colours"):format(o.colours))
   row("ghosts", count(o.ghosts), "bodies that domains have of others")
   if o.slowest_part and o.ranks > 1 then

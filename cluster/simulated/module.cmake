@@ -24,7 +24,7 @@ target_compile_definitions(duet_simgrid INTERFACE _DEFAULT_SOURCE) # useconds_t,
 
 set(arrows "${duet_arrows}")
 set(objects "${duet_module_objects}")
-duet_module(simulated FOLDER cluster KNOWS selection LINKS duet_simgrid)
+duet_module(simulated FOLDER cluster KNOWS selection commands LINKS duet_simgrid)
 set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 

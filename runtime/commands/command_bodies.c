@@ -11,7 +11,7 @@
 // ---------------------------------------------------------------- coming
 
 // The lowest empty places, and then new ones at the end.
-static bool choose_places(const duet_motion *m, command *c, uint32_t *n_places, duet_error *err)
+static bool choose_places(const duet_motion *m, command *c, duet_error *err)
 {
     uint32_t place = m->commands->first_empty;
     for (uint32_t i = 0; i < c->list.n; ++i) {
@@ -19,11 +19,17 @@ static bool choose_places(const duet_motion *m, command *c, uint32_t *n_places, 
             ++place;
         if (place >= MOTION_MOST)
             return error_set(err, DUET_STATUS_TOO_MANY, "%s: a motion has at most %u places",
-                             c->op->call, MOTION_MOST);
+                             c->call, MOTION_MOST);
         c->places[i] = place++;
     }
-    *n_places = place > m->n ? place : m->n;
     return true;
+}
+
+// Places ascend.
+static uint32_t places_with(const duet_motion *m, const command *c)
+{
+    uint32_t end = c->list.n > 0 ? c->places[c->list.n - 1] + 1 : 0;
+    return end > m->n ? end : m->n;
 }
 
 // at: a pointer to an array, of whatever type.
@@ -106,13 +112,17 @@ static bool settle(duet_motion *m, const command *c, duet_error *err)
            motion_set_asleep(m, c->places, c->list.n, false, err);
 }
 
-bool command_add_bodies(duet_motion *m, command *c, duet_error *err)
+// A part of a command has places already.
+bool check_add_bodies(duet_motion *m, command *c, duet_error *err)
 {
-    uint32_t n_places = 0;
     return command_copy(m, c, err) && command_check(m, c, PART_ALL, err) &&
-           command_settle(m, c, err) && choose_places(m, c, &n_places, err) &&
-           command_admit(m, c, err) && reserve_host(m, n_places, err) &&
-           motion_keep_whole(m, make_space(m, n_places, err) && settle(m, c, err));
+           command_settle(m, c, err) && (c->of || choose_places(m, c, err)) &&
+           reserve_host(m, places_with(m, c), err);
+}
+
+bool act_add_bodies(duet_motion *m, command *c, duet_error *err)
+{
+    return make_space(m, places_with(m, c), err) && settle(m, c, err);
 }
 
 // ---------------------------------------------------------------- going
@@ -144,14 +154,13 @@ static bool check_twice(const duet_motion *m, const command *c, duet_error *err)
 {
     uint8_t *seen = calloc((size_t)m->n + 1, 1);
     if (!seen)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u places", c->op->call,
-                         m->n);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u places", c->call, m->n);
     bool ok = true;
     for (uint32_t i = 0; ok && i < c->list.n; ++i) {
         if (seen[c->places[i]]++)
-            ok = error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                           "%s: body %u of %u: the body at place %u is listed twice", c->op->call,
-                           i, c->list.n, c->places[i]);
+            ok = command_fail(c, i, DUET_STATUS_BAD_ARGUMENT, err,
+                              "the body at place %u is listed twice",
+                              c->list.ids ? (uint32_t)c->list.ids[i] : c->list.first + i);
     }
     free(seen);
     return ok;
@@ -168,18 +177,25 @@ static bool check_carrier(const duet_motion *m, const command *c, duet_error *er
     return true;
 }
 
-bool command_remove_bodies(duet_motion *m, command *c, duet_error *err)
+bool check_remove_bodies(duet_motion *m, command *c, duet_error *err)
+{
+    return check_twice(m, c, err) && check_carrier(m, c, err);
+}
+
+bool act_remove_bodies(duet_motion *m, command *c, duet_error *err)
 {
     const uint32_t n = c->list.n;
-    if (!check_twice(m, c, err) || !check_carrier(m, c, err) ||
-        !motion_forget_targets(m, c->places, n, err))
+    if (!motion_forget_targets(m, c->places, n, err))
         return false;
     for (uint32_t i = 0; i < n; ++i)
         leave(m, c->places[i]);
-    return motion_keep_whole(m, send_presence(m, c->places, n, err));
+    return send_presence(m, c->places, n, err);
 }
 
-bool command_disable_bodies(duet_motion *m, command *c, duet_error *err)
+CHECKS_ITS_LIST(disable_bodies)
+CHECKS_ITS_LIST(enable_bodies)
+
+bool act_disable_bodies(duet_motion *m, command *c, duet_error *err)
 {
     const uint32_t n = c->list.n;
     if (!motion_forget_targets(m, c->places, n, err))
@@ -191,11 +207,11 @@ bool command_disable_bodies(duet_motion *m, command *c, duet_error *err)
         ++m->commands->n_hidden;
         motion_stop(m, c->places[i]);
     }
-    return motion_keep_whole(m, send_presence(m, c->places, n, err));
+    return send_presence(m, c->places, n, err);
 }
 
 // Bodies that are enabled already keep what they do.
-bool command_enable_bodies(duet_motion *m, command *c, duet_error *err)
+bool act_enable_bodies(duet_motion *m, command *c, duet_error *err)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < c->list.n; ++i) {
@@ -205,14 +221,17 @@ bool command_enable_bodies(duet_motion *m, command *c, duet_error *err)
         --m->commands->n_hidden;
         c->places[n++] = c->places[i];
     }
-    return motion_keep_whole(m, send_presence(m, c->places, n, err));
+    return send_presence(m, c->places, n, err);
 }
 
 // ---------------------------------------------------------------- sleep
 
-bool command_wake_bodies(duet_motion *m, command *c, duet_error *err)
+CHECKS_ITS_LIST(wake_bodies)
+CHECKS_ITS_LIST(sleep_bodies)
+
+bool act_wake_bodies(duet_motion *m, command *c, duet_error *err)
 {
-    return motion_keep_whole(m, motion_set_asleep(m, c->places, c->list.n, false, err));
+    return motion_set_asleep(m, c->places, c->list.n, false, err);
 }
 
 // A body without mass moves on, as it never sleeps. The places with mass come first then.
@@ -231,8 +250,8 @@ static bool stop_all(duet_motion *m, uint32_t *places, uint32_t n, duet_error *e
 }
 
 // A body that is sent to sleep stands still from then on: what it would have met is not met.
-bool command_sleep_bodies(duet_motion *m, command *c, duet_error *err)
+bool act_sleep_bodies(duet_motion *m, command *c, duet_error *err)
 {
-    return motion_keep_whole(m, stop_all(m, c->places, c->list.n, err) &&
-                                    motion_set_asleep(m, c->places, c->list.n, true, err));
+    return stop_all(m, c->places, c->list.n, err) &&
+           motion_set_asleep(m, c->places, c->list.n, true, err);
 }

@@ -101,7 +101,7 @@ static bool change_masses(duet_motion *m, const command *c, duet_error *err)
     return ok;
 }
 
-static bool set_fields(duet_motion *m, const command *c, duet_error *err)
+bool act_set_bodies(duet_motion *m, command *c, duet_error *err)
 {
     const uint32_t moving = DUET_BODY_VELOCITY | DUET_BODY_ANGULAR_VELOCITY | DUET_BODY_MASS;
     const uint32_t n = c->list.n;
@@ -121,24 +121,24 @@ static bool set_fields(duet_motion *m, const command *c, duet_error *err)
            motion_wake_places(m, c->places, n, err);
 }
 
-bool command_set_bodies(duet_motion *m, command *c, duet_error *err)
+bool check_set_bodies(duet_motion *m, command *c, duet_error *err)
 {
     const duet_body *given = c->rows;
     if (c->fields & ~(uint32_t)DUET_BODY_ALL)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: fields is %#x; expected bits of duet_body_field", c->op->call,
-                         c->fields);
+                         "%s: fields is %#x; expected bits of duet_body_field", c->call, c->fields);
     if (!command_copy(m, c, err))
         return false;
     for (uint32_t i = 0; i < c->list.n; ++i)
         copy_fields(&c->bodies[i], &given[i], c->fields);
-    return command_check(m, c, parts_of(c->fields), err) && command_admit(m, c, err) &&
-           motion_keep_whole(m, set_fields(m, c, err));
+    return command_check(m, c, parts_of(c->fields), err);
 }
 
 // ---------------------------------------------------------------- user data
 
-bool command_set_user_data(duet_motion *m, command *c, duet_error *err)
+CHECKS_ITS_LIST(set_user_data)
+
+bool act_set_user_data(duet_motion *m, command *c, duet_error *err)
 {
     const uint64_t *data = c->rows;
     (void)err;
@@ -191,23 +191,28 @@ static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const
                      "%s: pair is another; expected the motion's, which cannot change", call);
 }
 
-static bool change_world(duet_motion *m, const duet_motion_def *def, duet_error *err)
-{
-    const duet_plan plan = m->def.plan;
-    m->def = *def;
-    m->def.plan = plan;
-    motion_alter_all(m); // walls are elsewhere
-    return motion_wake_all(m, err);
-}
-
-bool command_set_def(duet_motion *m, command *c, duet_error *err)
+// The motion's ground, plan and chosen substeps stay.
+static duet_motion_def def_of(const duet_motion *m, const command *c)
 {
     duet_motion_def def = *(const duet_motion_def *)c->rows;
     if (def.substeps == 0)
         def.substeps = m->def.substeps;
     def.heights = m->def.heights;
     def.mesh = m->def.mesh;
-    return motion_check_def(&def, err) && check_same(&def, &m->def, c->op->call, err) &&
-           motion_needs(m, effect_infer(&def, m->facts), c->op->call, err) &&
-           motion_keep_whole(m, change_world(m, &def, err));
+    def.plan = m->def.plan;
+    return def;
+}
+
+bool act_set_def(duet_motion *m, command *c, duet_error *err)
+{
+    m->def = def_of(m, c);
+    motion_alter_all(m); // walls are elsewhere
+    return motion_wake_all(m, err);
+}
+
+bool check_set_def(duet_motion *m, command *c, duet_error *err)
+{
+    const duet_motion_def def = def_of(m, c);
+    return motion_check_def(&def, err) && check_same(&def, &m->def, c->call, err) &&
+           motion_needs(m, effect_infer(&def, m->facts), c->call, err);
 }

@@ -11,7 +11,7 @@
 
 // ---------------------------------------------------------------- poses
 
-static bool put_poses(duet_motion *m, const command *c, duet_error *err)
+bool act_set_poses(duet_motion *m, command *c, duet_error *err)
 {
     if (!motion_forget_targets(m, c->places, c->list.n, err))
         return false;
@@ -20,14 +20,13 @@ static bool put_poses(duet_motion *m, const command *c, duet_error *err)
            motion_wake_places(m, c->places, c->list.n, err);
 }
 
-bool command_set_poses(duet_motion *m, command *c, duet_error *err)
+bool check_set_poses(duet_motion *m, command *c, duet_error *err)
 {
     if (!command_copy(m, c, err))
         return false;
     if (c->list.n > 0)
         memcpy(c->poses, c->rows, c->list.n * sizeof *c->poses);
-    return command_check(m, c, PART_POSE, err) && command_settle(m, c, err) &&
-           command_admit(m, c, err) && motion_keep_whole(m, put_poses(m, c, err));
+    return command_check(m, c, PART_POSE, err) && command_settle(m, c, err);
 }
 
 // ---------------------------------------------------------------- targets
@@ -67,8 +66,8 @@ static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
 {
     const uint32_t n = c->list.n;
     duet_state *states = malloc(n * sizeof *states + 1);
-    bool ok = states ||
-              error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u states", c->op->call, n);
+    bool ok =
+        states || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u states", c->call, n);
     ok = ok && motion_fetch_states(m, c->places, n, states, NULL, err);
     if (ok)
         set_velocities(m, c, states);
@@ -80,12 +79,12 @@ static bool check_kinematic(const duet_motion *m, const command *c, duet_error *
 {
     if (m->def.dt == 0.0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: dt is 0; expected steps that take a time", c->op->call);
+                         "%s: dt is 0; expected steps that take a time", c->call);
     for (uint32_t i = 0; i < c->list.n; ++i)
         if (c->bodies[i].mass > 0.0f)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: body %u of %u has a mass of %g; expected one of mass 0",
-                             c->op->call, i, c->list.n, (double)c->bodies[i].mass);
+            return command_fail(c, i, DUET_STATUS_BAD_ARGUMENT, err,
+                                "it has a mass of %g; expected one of mass 0",
+                                (double)c->bodies[i].mass);
     return true;
 }
 
@@ -95,13 +94,12 @@ static bool check_velocities(const duet_motion *m, const command *c, duet_error 
     for (uint32_t i = 0; i < c->list.n; ++i) {
         const char *fault = motion_body_fault(&m->def, &c->bodies[i]);
         if (fault)
-            return error_set(err, DUET_STATUS_BAD_OBJECT, "%s: body %u of %u: to get there, %s",
-                             c->op->call, i, c->list.n, fault);
+            return command_fail(c, i, DUET_STATUS_BAD_OBJECT, err, "to get there, %s", fault);
     }
     return true;
 }
 
-static bool aim(duet_motion *m, const command *c, duet_error *err)
+bool act_set_targets(duet_motion *m, command *c, duet_error *err)
 {
     motion_commands *left = m->commands;
     const duet_transform *targets = c->rows;
@@ -118,7 +116,7 @@ static bool aim(duet_motion *m, const command *c, duet_error *err)
            motion_wake_places(m, c->places, n, err);
 }
 
-bool command_set_targets(duet_motion *m, command *c, duet_error *err)
+bool check_set_targets(duet_motion *m, command *c, duet_error *err)
 {
     const duet_transform *targets = c->rows;
     if (!command_copy(m, c, err))
@@ -126,6 +124,5 @@ bool command_set_targets(duet_motion *m, command *c, duet_error *err)
     for (uint32_t i = 0; i < c->list.n; ++i)
         c->poses[i] = motion_aim(m, c->poses[i], &targets[i]);
     return check_kinematic(m, c, err) && command_check(m, c, PART_POSE, err) &&
-           command_settle(m, c, err) && find_velocities(m, c, err) && check_velocities(m, c, err) &&
-           command_admit(m, c, err) && motion_keep_whole(m, aim(m, c, err));
+           command_settle(m, c, err) && find_velocities(m, c, err) && check_velocities(m, c, err);
 }

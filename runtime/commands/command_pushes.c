@@ -45,14 +45,23 @@ static bool check_sums(const duet_motion *m, const motion_rows *rows, const comm
         float by[8];
         put_force(m, &forces[i], by);
         for (uint32_t k = 0; k < 8; ++k)
-            if (!stays_finite(rows, c->places[i], k, (double)by[k], c->list.n))
+            if (!stays_finite(rows, c->places[i], k, (double)by[k], command_count(c)))
                 return command_refuse(c, i, "the sum of its forces would not be finite", err);
     }
     return true;
 }
 
-static bool write_forces(duet_motion *m, motion_rows *rows, const command *c, duet_error *err)
+bool check_apply_forces(duet_motion *m, command *c, duet_error *err)
 {
+    motion_rows *rows = &c->pushed.forces;
+    return c->list.n == 0 ||
+           (check_numbers(c, err) && motion_rows_at(m, FORCES, c->places, c->list.n, rows, err) &&
+            check_sums(m, rows, c, err));
+}
+
+bool act_apply_forces(duet_motion *m, command *c, duet_error *err)
+{
+    motion_rows *rows = &c->pushed.forces;
     const duet_force *forces = c->rows;
     for (uint32_t i = 0; i < c->list.n; ++i) {
         float *row = motion_row(rows, c->places[i]), by[8];
@@ -61,20 +70,8 @@ static bool write_forces(duet_motion *m, motion_rows *rows, const command *c, du
             row[k] += by[k];
     }
     m->commands->n_pushed += c->list.n;
-    return motion_rows_close(m, rows, err) && motion_wake_places(m, c->places, c->list.n, err);
-}
-
-bool command_apply_forces(duet_motion *m, command *c, duet_error *err)
-{
-    motion_rows rows;
-    if (c->list.n == 0)
-        return true;
-    if (!check_numbers(c, err) || !motion_rows_at(m, FORCES, c->places, c->list.n, &rows, err))
-        return false;
-    if (check_sums(m, &rows, c, err))
-        return motion_keep_whole(m, write_forces(m, &rows, c, err));
-    motion_rows_drop(&rows);
-    return false;
+    return c->list.n == 0 ||
+           (motion_rows_close(m, rows, err) && motion_wake_places(m, c->places, c->list.n, err));
 }
 
 // ---------------------------------------------------------------- impulses
@@ -111,12 +108,7 @@ static void angular_change_of(const duet_motion *m, const duet_impulse *impulse,
     turn(q, false, own, by);
 }
 
-// Rows that impulses read and change. The last three are empty if nothing turns.
-typedef struct pushed {
-    motion_rows velocities, angular_velocities, rotations, inertias;
-} pushed;
-
-static bool open_pushed(duet_motion *m, const command *c, pushed *p, duet_error *err)
+static bool open_pushed(duet_motion *m, const command *c, command_pushed *p, duet_error *err)
 {
     const uint32_t *places = c->places, n = c->list.n;
     return motion_rows_at(m, VELOCITIES, places, n, &p->velocities, err) &&
@@ -127,7 +119,7 @@ static bool open_pushed(duet_motion *m, const command *c, pushed *p, duet_error 
 }
 
 // By how much an impulse changes the velocity and the angular velocity of a place.
-static void changes_of(const duet_motion *m, const pushed *p, uint32_t place,
+static void changes_of(const duet_motion *m, const command_pushed *p, uint32_t place,
                        const duet_impulse *impulse, double velocity[3], double angular_velocity[3])
 {
     double per_mass = motion_row_get(&p->velocities, place, 3), q[4], inverse[3];
@@ -144,7 +136,8 @@ static void changes_of(const duet_motion *m, const pushed *p, uint32_t place,
     angular_change_of(m, impulse, q, inverse, angular_velocity);
 }
 
-static bool check_changes(const duet_motion *m, const pushed *p, const command *c, duet_error *err)
+static bool check_changes(const duet_motion *m, const command_pushed *p, const command *c,
+                          duet_error *err)
 {
     const duet_impulse *impulses = c->rows;
     for (uint32_t i = 0; i < c->list.n; ++i) {
@@ -152,10 +145,10 @@ static bool check_changes(const duet_motion *m, const pushed *p, const command *
         double velocity[3], angular_velocity[3];
         changes_of(m, p, place, &impulses[i], velocity, angular_velocity);
         for (uint32_t k = 0; k < 3; ++k) {
-            if (!stays_finite(&p->velocities, place, k, velocity[k], c->list.n))
+            if (!stays_finite(&p->velocities, place, k, velocity[k], command_count(c)))
                 return command_refuse(c, i, "its velocity would not be finite", err);
-            if (p->angular_velocities.of &&
-                !stays_finite(&p->angular_velocities, place, k, angular_velocity[k], c->list.n))
+            if (p->angular_velocities.of && !stays_finite(&p->angular_velocities, place, k,
+                                                          angular_velocity[k], command_count(c)))
                 return command_refuse(c, i, "its angular velocity would not be finite", err);
         }
     }
@@ -168,8 +161,15 @@ static void add_to(motion_rows *rows, uint32_t place, const double by[3])
         motion_row_set(rows, place, k, motion_row_get(rows, place, k) + by[k]);
 }
 
-static bool push(duet_motion *m, pushed *p, const command *c, duet_error *err)
+bool check_apply_impulses(duet_motion *m, command *c, duet_error *err)
 {
+    return c->list.n == 0 || (check_numbers(c, err) && open_pushed(m, c, &c->pushed, err) &&
+                              check_changes(m, &c->pushed, c, err));
+}
+
+bool act_apply_impulses(duet_motion *m, command *c, duet_error *err)
+{
+    command_pushed *p = &c->pushed;
     const duet_impulse *impulses = c->rows;
     for (uint32_t i = 0; i < c->list.n; ++i) {
         double velocity[3], angular_velocity[3];
@@ -178,21 +178,8 @@ static bool push(duet_motion *m, pushed *p, const command *c, duet_error *err)
         if (p->angular_velocities.of)
             add_to(&p->angular_velocities, c->places[i], angular_velocity);
     }
-    return motion_rows_close(m, &p->velocities, err) &&
-           (!p->angular_velocities.of || motion_rows_close(m, &p->angular_velocities, err)) &&
-           motion_wake_places(m, c->places, c->list.n, err);
-}
-
-bool command_apply_impulses(duet_motion *m, command *c, duet_error *err)
-{
-    pushed p = {0};
-    if (c->list.n == 0)
-        return true;
-    bool ok = check_numbers(c, err) && open_pushed(m, c, &p, err) && check_changes(m, &p, c, err) &&
-              motion_keep_whole(m, push(m, &p, c, err));
-    motion_rows_drop(&p.velocities);
-    motion_rows_drop(&p.angular_velocities);
-    motion_rows_drop(&p.rotations);
-    motion_rows_drop(&p.inertias);
-    return ok;
+    return c->list.n == 0 ||
+           (motion_rows_close(m, &p->velocities, err) &&
+            (!p->angular_velocities.of || motion_rows_close(m, &p->angular_velocities, err)) &&
+            motion_wake_places(m, c->places, c->list.n, err));
 }

@@ -15,26 +15,40 @@
 #define COMMAND(number_, name, form_, bodies_, effect_, type, rows_) \
     [number_] = {ROW_##form_(type, rows_).number = number_,          \
                  .call = "duet_motion_" #name,                       \
+                 .cluster_call = "duet_cluster_" #name,              \
                  .form = COMMAND_##form_,                            \
                  .bodies = COMMAND_##bodies_,                        \
                  .effect = effect_,                                  \
-                 .run = command_##name},
+                 .check = check_##name,                              \
+                 .act = act_##name},
 static const command_op ops[] = {
 #include "runtime/commands/commands.inl"
 };
 
 const command_op *command_op_at(uint32_t number)
 {
-    return number < sizeof ops / sizeof *ops && ops[number].run ? &ops[number] : NULL;
+    return number < sizeof ops / sizeof *ops && ops[number].act ? &ops[number] : NULL;
+}
+
+bool command_check_given(const command *c, duet_error *err)
+{
+    return !c->op->rows || c->list.n == 0 || error_given(c->rows, c->call, c->op->rows, err);
+}
+
+bool command_look(duet_motion *m, command *c, duet_error *err)
+{
+    return motion_needs(m, c->op->effect, c->call, err) && c->op->check(m, c, err);
 }
 
 bool command_give(duet_motion *m, command *c, duet_error *err)
 {
     PUBLIC_CALL(err);
     const command_op *op = c->op;
-    bool ok = (!op->rows || c->list.n == 0 || error_given(c->rows, op->call, op->rows, err)) &&
-              command_open(m, c, err) && motion_needs(m, op->effect, op->call, err) &&
-              op->run(m, c, err);
+    c->call = op->call;
+    bool ok = command_check_given(c, err) && command_open(m, c, err) && command_look(m, c, err);
+    effect_facts facts = ok ? m->facts : 0;
+    ok = ok && command_add_facts(m, c, &facts, err) && command_admit(m, facts, err) &&
+         motion_keep_whole(m, op->act(m, c, err));
     if (ok)
         recording_add(m, c);
     command_close(c);
@@ -78,7 +92,7 @@ const duet_motion_def *duet_motion_get_def(const duet_motion *m)
 bool duet_motion_get_user_data(duet_motion *m, duet_body_list list, uint64_t *data, duet_error *err)
 {
     PUBLIC_CALL(err);
-    command c = {.op = &(command_op){.call = __func__}, .list = list};
+    command c = {.op = &(command_op){0}, .call = __func__, .list = list};
     bool ok = (list.n == 0 || error_given(data, __func__, "data", err)) && command_open(m, &c, err);
     for (uint32_t i = 0; ok && i < list.n; ++i)
         data[i] = m->commands->user_data[c.places[i]];

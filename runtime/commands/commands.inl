@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The commands to a motion, each once. Public calls, their checks, recordings, replays and Lua's
-// methods are made from this list; functions of the same names (command.h) carry commands out.
+// methods are made from this list, for a motion and for one over ranks. Functions of these names
+// look at commands and carry them out (command.h).
 //
 //   COMMAND(number, name, form, bodies, effect, type, rows)
 //

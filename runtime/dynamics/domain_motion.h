@@ -33,7 +33,7 @@ duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts
 bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                          uint32_t n, duet_error *err);
 
-// Bytes of a body's state: what a step changes of it.
+// Bytes of a body's state: what a step changes of it, and if there were commands what these left.
 size_t domain_state_bytes(const duet_motion *m);
 
 // Finds where a state's centre is.
@@ -97,16 +97,20 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
 bool domain_make_bounds(duet_motion *m, duet_error *err);
 bool domain_lay_rows(duet_motion *m, duet_error *err);
 
-// Forgets what commands left behind; false if some still acts: a place without a body, or a push.
-bool domain_forget_commands(duet_motion *m);
+// Forgets what commands left behind if that is nothing.
+void domain_forget_idle_commands(duet_motion *m);
+
+// Whether the body at a place, which a state is of, was removed or is disabled.
+bool domain_is_hidden(const duet_motion *m, const char *state);
 
 // ---------------------------------------------------------------- a step's stages
 
 // Before the first step of all bodies, takes those apart that begin deep in each other.
 bool domain_begin_apart(duet_motion *m, duet_error *err);
 
-// In free flight a step is one stage.
+// Without response bodies fly, and where they then touch is looked at, if it is to be known.
 bool domain_fly(duet_motion *m, duet_error *err);
+bool domain_find_contacts(duet_motion *m, duet_error *err);
 
 // With response: manifolds of where the step begins, which may wake what leant on something that is
 // gone (RESTS).
@@ -146,6 +150,9 @@ bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err);
 bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
+
+// After the step of either kind ends what commands were for it.
+bool domain_end_commands(duet_motion *m, duet_error *err);
 
 // Whether all bodies are within the bounds that pairs were searched by, so that the next step
 // searches none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the host reads and replaces of a domain's motion between its stages.
 #include "base/error.h"
+#include "runtime/dynamics/domain_commands.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
 
@@ -26,7 +27,18 @@ size_t domain_state_bytes(const duet_motion *m)
     size_t bytes = 0;
     for (int i = 0; i < N_KEPT; ++i)
         bytes += row_bytes(m, kept[i]);
-    return bytes;
+    return bytes + domain_command_bytes(m);
+}
+
+static domain_left left_of(const duet_motion *m, const char *states)
+{
+    const size_t all = domain_state_bytes(m);
+    return (domain_left){(char *)states + all - domain_command_bytes(m), all};
+}
+
+bool domain_is_hidden(const duet_motion *m, const char *state)
+{
+    return domain_left_hidden(m, left_of(m, state));
 }
 
 static size_t byte_of(const duet_motion *m, motion_buffer which)
@@ -91,7 +103,7 @@ static bool write_rows(duet_motion *m, motion_buffer which, const char *at, duet
 
 bool domain_read_states(duet_motion *m, char *states, duet_error *err)
 {
-    bool ok = true;
+    bool ok = domain_read_commands(m, left_of(m, states), err);
     for (int i = 0; ok && m->n > 0 && i < N_KEPT; ++i)
         if (row_bytes(m, kept[i]) > 0) {
             ok = read_rows(m, kept[i], states, err);
@@ -149,6 +161,19 @@ bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with
            error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
 }
 
+static bool responds(const duet_motion *m)
+{
+    return m->effects & DUET_EFFECT_CONTACT_RESPONSE;
+}
+
+// Without response no contact has a colour.
+static bool read_colours(duet_motion *m, cl_uint *colours, size_t n, duet_error *err)
+{
+    for (size_t i = 0; i < n; ++i)
+        colours[i] = COLOUR_NONE;
+    return !responds(m) || motion_fetch(m, stage, COLOUR_OF, 0, colours, n * sizeof *colours, err);
+}
+
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err)
 {
     size_t record = with_records ? m->layout.record * sizeof(float) : 0;
@@ -158,7 +183,7 @@ bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c,
               (n == 0 ||
                (motion_fetch(m, stage, LINKS, 0, c->links, n * sizeof *c->links, err) &&
                 motion_fetch(m, stage, TOUCHES, 0, c->touches, n * sizeof *c->touches, err) &&
-                motion_fetch(m, stage, COLOUR_OF, 0, c->colours, n * sizeof *c->colours, err) &&
+                read_colours(m, c->colours, n, err) &&
                 (record == 0 || motion_fetch(m, stage, CONTACTS, 0, c->records, n * record, err))));
     if (!ok)
         domain_contacts_free(c);
@@ -180,7 +205,7 @@ static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error 
         product_renew(&m->products, PRODUCT_ROWS); // made elsewhere, of no pairs here
     return put(m, LINKS, c->links, c->n, sizeof *c->links, err) &&
            put(m, TOUCHES, c->touches, c->n, sizeof *c->touches, err) &&
-           put(m, COLOUR_OF, c->colours, c->n, sizeof *c->colours, err) &&
+           (!responds(m) || put(m, COLOUR_OF, c->colours, c->n, sizeof *c->colours, err)) &&
            put(m, CONTACTS, c->records, c->n, m->layout.record * sizeof(float), err);
 }
 
@@ -229,10 +254,13 @@ bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_bo
                            duet_error *err)
 {
     m->products = products_of_saved(false);
+    altered_forget(&m->altered);
     motion_forget_events(&m->told);
-    return take_bodies(m, poses, bodies, n, err) && motion_grow(m, 0, err) &&
-           motion_send_places(m, NULL, n, PART_ALL, err) && write_states(m, states, err) &&
-           (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || write_contacts(m, c, err)) &&
+    return take_bodies(m, poses, bodies, n, err) &&
+           domain_take_commands(m, left_of(m, states), err) && motion_grow(m, 0, err) &&
+           motion_send_places(m, NULL, n, PART_ALL, err) &&
+           domain_take_forces(m, left_of(m, states), err) && write_states(m, states, err) &&
+           (!(m->effects & DUET_EFFECT_CONTACT) || write_contacts(m, c, err)) &&
            timeline_finish(&m->times, err);
 }
 
@@ -319,22 +347,11 @@ static bool lay_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
 bool domain_lay_rows(duet_motion *m, duet_error *err)
 {
     domain_contacts c;
-    if (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || m->n == 0)
+    if (!(m->effects & DUET_EFFECT_CONTACT) || m->n == 0)
         return true;
     if (!domain_read_contacts(m, false, &c, err))
         return false;
     bool ok = lay_rows(m, &c, err);
     domain_contacts_free(&c);
     return ok;
-}
-
-bool domain_forget_commands(duet_motion *m)
-{
-    motion_commands *c = m->commands;
-    bool acts = c && (c->n_hidden > 0 || c->n_targets > 0 || c->n_pushed > 0);
-    if (acts)
-        return false;
-    motion_forget_commands(c);
-    m->commands = NULL;
-    return true;
 }

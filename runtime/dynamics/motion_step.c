@@ -354,6 +354,13 @@ bool domain_fly(duet_motion *m, duet_error *err)
            (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
 }
 
+bool domain_find_contacts(duet_motion *m, duet_error *err)
+{
+    return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
+                         ensure(m, PRODUCT_MANIFOLDS, err) && domain_note_events(m, err) &&
+                         timeline_finish(&m->times, err));
+}
+
 bool domain_begin_apart(duet_motion *m, duet_error *err)
 {
     if (m->n == 0 || m->step > 0 || !(m->effects & DUET_EFFECT_DEPENETRATION))
@@ -410,5 +417,6 @@ bool domain_end_step(duet_motion *m, duet_error *err)
 
 bool domain_is_bounded(const duet_motion *m)
 {
-    return m->n == 0 || !pushes(m) || product_is_right(&m->products, PRODUCT_BOUNDS);
+    return m->n == 0 || !(m->effects & DUET_EFFECT_CONTACT) ||
+           product_is_right(&m->products, PRODUCT_BOUNDS);
 }

@@ -3,9 +3,11 @@
 //
 // A shell runs on a pseudo terminal of its own, and this program types.
 #define _GNU_SOURCE
+#include "support/json.h"
+#include "support/program.h"
 #include "support/test.h"
 
-#include "base/text.h"
+#include "base/text_file.h"
 
 #include <poll.h>
 #include <pty.h>
@@ -19,8 +21,8 @@
 
 #define CTRL_C "\003"
 
-// The text on the terminal until it closes. Types CTRL_C once `sign` was seen, and
-// `after` seconds later.
+// The text on the terminal until it closes. Types CTRL_C once `sign` was seen, and `after` seconds
+// later; or sends the signal to the shell's process alone.
 typedef struct terminal {
     text seen;
     int status;           // the shell's status, as waitpid gives it
@@ -49,7 +51,8 @@ static pid_t open_shell(int columns, const char *script, int *screen)
     return child;
 }
 
-static terminal run_at_terminal(int columns, const char *script, const char *sign, double after)
+static terminal run_until(int columns, const char *script, const char *sign, double after,
+                          bool alone)
 {
     enum { PATIENCE_S = 600 }; // kernels may have to be compiled
     int screen;
@@ -67,7 +70,7 @@ static terminal run_at_terminal(int columns, const char *script, const char *sig
             due = now_s() + after;
         if (due > 0 && typed == 0 && now_s() >= due) {
             typed = now_s();
-            assert_int_equal(write(screen, CTRL_C, 1), 1);
+            assert_true(alone ? kill(child, SIGINT) == 0 : write(screen, CTRL_C, 1) == 1);
         }
     }
     close(screen);
@@ -76,6 +79,11 @@ static terminal run_at_terminal(int columns, const char *script, const char *sig
     if (sign && typed == 0)
         fail_msg("'%s' was not seen in\n%s", sign, text_chars(&t.seen));
     return t;
+}
+
+static terminal run_at_terminal(int columns, const char *script, const char *sign, double after)
+{
+    return run_until(columns, script, sign, after, false);
 }
 
 static bool sees(const terminal *t, const char *words)
@@ -135,6 +143,36 @@ TEST(a_single_rank_tells_that_it_was_stopped)
     if (!sees(&t, "duet: stopped"))
         fail_msg("%s", text_chars(&t.seen));
     text_free(&t.seen);
+}
+
+// Ranks are stopped once the first step was timed, however long that takes. Of a signal to all,
+// mpirun hears, too, and may end the ranks before they tell.
+TEST(ctrl_c_shows_what_ranks_timed)
+{
+    static const struct {
+        const char *arguments;
+        bool alone;
+    } runs[] = {{"", true}, {"--ranks 2", true}, {"--ranks 2", false}};
+    skip_without_mpi();
+    for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
+        char script[512];
+        snprintf(script, sizeof script,
+                 "exec %s cluster %s --plain still -n 300 --repeat 100000 --json >stopped.json",
+                 getenv("DUET_PROGRAM"), runs[i].arguments);
+        terminal t = run_until(100, script, " a second", 0, runs[i].alone);
+        text out = {0};
+        must(text_read_file(&out, "stopped.json", ERR));
+        if (!sees(&t, "duet: stopped") || (runs[i].alone && out.length == 0))
+            fail_msg("%s: %s", script, text_chars(&t.seen));
+        if (out.length > 0) {
+            const cJSON *o = json_of(text_chars(&out));
+            double n = json_number(o, "repeat");
+            assert_true(n > 0 && n < 100000 && json_number(o, "total_ms") > 0);
+        }
+        text_free(&out);
+        text_free(&t.seen);
+    }
+    remove("stopped.json");
 }
 
 // ---------------------------------------------------------------- progress

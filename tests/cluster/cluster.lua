@@ -171,6 +171,53 @@ facts.holds("bodies move as those of one motion, and a script that begins again 
   if cluster.rank == 0 then os.remove(path); os.remove(saved) end
 end)
 
+facts.holds("commands to bodies over ranks are one motion's", function()
+  local path <const>, n <const> = "commanded.lua", 40
+  local file = assert(io.open(path, "w"))
+  file:write [[
+    for i = 0, 39 do
+      add { centre = { i % 8, i // 8, 0.5 }, half_extents = { 0.45, 0.45, 0.45 }, mass = i == 20 and 0 or 1 }
+    end
+    return { dims = 3, gravity = { 0, 0, -9.81 }, body = { friction = 0.5 }, boundary = "walls",
+             world = { lower = { -2, -2, 0 }, upper = { 10, 10, 9 } },
+             wants = { "contact_response", "forces", "sleep" } }
+  ]]
+  file:close()
+  local function command(world)
+    local ids = assert(world:add_bodies({ { 3.5, 2, 2, 0.4, 0.4, 0.4, 0, 0, 0, 1 } }))
+    facts.equal(#ids, 1)
+    assert(world:remove_bodies { first = 3, n = 2 })
+    assert(world:set_poses(7, { { 0, 4, 3, 0.4, 0.4, 0.4, 0, 0, 0, 1 } }))
+    assert(world:set_bodies(9, "velocity", { { 2, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0, false, false } }))
+    assert(world:apply_impulses(11, { { 0, 0, 4, 0.1, 0, 0 } }))
+    assert(world:apply_forces(12, { { 0, 30, 0, 0, 0, 1 } }))
+    assert(world:set_targets(20, { { 4, 2.3, 1, 0, 0, 0, 1 } }))
+    assert(world:disable_bodies(30))
+    assert(world:sleep_bodies(31))
+    assert(world:wake_bodies(31))
+    assert(world:set_def { gravity = { 1, 0, -9.81 } })
+    assert(world:set_user_data({ 5, 6 }, { 55, 66 }))
+    facts.equal(assert(world:user_data { 6, 5 }):get(0), 66)
+    facts.refused("BAD_ARGUMENT", "body 0 of 1: the body with id 3 was removed", world.wake_bodies, world, 3)
+    facts.refused("BAD_ARGUMENT", "there is no body 90", world.remove_bodies, world, 90)
+    facts.raises("'masss' is no field", world.set_bodies, world, 9, "masss", { { 1 } })
+    for _ = 1, 20 do assert(world:advance()) end
+    assert(world:enable_bodies(30))
+    assert(world:advance())
+  end
+  local cluster <close> = assert(duet.cluster())
+  facts.refused("BAD_ARGUMENT", "expected duet_cluster_begin_motion first", cluster.wake_bodies, cluster, 3)
+  assert(cluster:begin_motion(path))
+  command(cluster)
+  local pair <close> = assert(duet.device_pair())
+  local scene <close> = assert(duet.scene(path))
+  local motion <close> = assert(pair:motion(scene))
+  command(motion)
+  facts.equal(assert(cluster:state_hash()), motion:hash())
+  facts.equal(#motion:ids(), n + 1)
+  if cluster.rank == 0 then os.remove(path) end
+end)
+
 facts.holds("the file of pairs is that of the reference", function()
   local cluster <close> = assert(duet.cluster { plain = true })
   fill(cluster, 0)

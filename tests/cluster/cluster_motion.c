@@ -392,6 +392,24 @@ static void events_are_one_motions(void)
     remove_file(EVENTS);
 }
 
+// Without response bodies fly through each other and through sensors, and what touches is told.
+static void touches_without_response_are_one_motions(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 2}, {5, 1}};
+    const moving_scene s = {EVENTS, {{0}}, 0, 60, 0, 25};
+    write_scene(EVENTS, "for i = 0, 59 do\n"
+                        "  local x, y = i % 10, i // 10\n"
+                        "  add { centre = { 1.2 * x, 1.2 * y, 0.5 + 0.2 * (i % 3) },\n"
+                        "        half_extents = { 0.4, 0.3, 0.3 }, sensor = i % 11 == 3,\n"
+                        "        mass = i % 13 == 5 and 0 or 1, group = 1 << i % 2,\n"
+                        "        velocity = { 3 - i % 7, i % 5 - 2, 0.1 * (i % 4) } }\n"
+                        "end\n"
+                        "return { dims = 3, wants = { 'events', 'sensors' }, event_mask = 1 }\n");
+    outcome o = must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
+    MUST(o.events > 100 && o.stays > 100 && o.hits == 0, "much is told");
+    remove_file(EVENTS);
+}
+
 // A blow goes through a row from end to end.
 static void shocks_have_one_motions_bits(void)
 {
@@ -609,13 +627,8 @@ static void must_refuse(const char *path, const duet_setting *settings, uint32_t
     MPI_Comm_free(&comm);
 }
 
-static void what_ranks_lack_is_refused(void)
+static void what_is_not_there_is_refused(void)
 {
-    write_scene(APART,
-                "add { centre = { 0, 0, 0 }, half_extents = { 1, 1, 1 }, velocity = { 1, 0, 0 } }\n"
-                "return { dims = 3, wants = { 'events' } }\n");
-    must_refuse(APART, NULL, 0, "contact without response is not for several domains yet");
-    remove_file(APART);
     must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
 }
 
@@ -929,7 +942,7 @@ int main(int argc, char **argv)
     }
     if (rank == 0)
         parts_of_rows_come_and_go();
-    what_ranks_lack_is_refused();
+    what_is_not_there_is_refused();
     checkpoints_know_no_ranks();
     borders_change_nothing(seed);
     borders_follow_bodies();
@@ -940,6 +953,7 @@ int main(int argc, char **argv)
     a_giant_on_small_ones_has_one_motions_bits();
     a_pile_on_a_mesh_has_one_motions_bits();
     events_are_one_motions();
+    touches_without_response_are_one_motions();
     shocks_have_one_motions_bits();
     bodies_are_taken_apart_as_in_one_motion();
     origin_cells_have_one_motions_bits();

@@ -424,36 +424,6 @@ TEST(a_rank_that_is_stopped_is_told_of_and_goes_on)
     assert_true(json_number(o, "pairs") == 1);
 }
 
-// On a slow machine nothing may have been timed yet. In the foreground timeout(1) sends its signal
-// to the program alone, else to mpirun, too, as a terminal does, which then ends the ranks soon.
-TEST(ctrl_c_shows_what_was_timed)
-{
-    skip_without_mpi();
-    static const struct {
-        const char *how, *arguments;
-        bool shows;
-    } runs[] = {
-        {"--foreground", "", true}, {"--foreground", "--ranks 2", true}, {"", "--ranks 2", false}};
-    for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
-        char variables[80];
-        snprintf(variables, sizeof variables, "timeout %s --preserve-status -s INT 2", runs[i].how);
-        program p =
-            program_run_with(variables, "cluster %s --plain still -n 3000 --repeat 100000 --json",
-                             runs[i].arguments);
-        assert_int_equal(p.exit_code, 130);
-        const char *last =
-            strstr(p.err, "duet: stopped\n"); // behind mpirun's, if it heard the signal
-        assert_true(last && strcmp(last, "duet: stopped\n") == 0);
-        assert_true(last == p.err || !runs[i].shows);
-        assert_true(*p.out || !runs[i].shows);
-        cJSON *o = *p.out ? json_of(p.out) : NULL;
-        if (o) {
-            double n = json_number(o, "repeat");
-            assert_true(n > 0 && n < 100000 && json_number(o, "total_ms") > 0);
-        }
-    }
-}
-
 int main(int argc, char **argv)
 {
     asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;

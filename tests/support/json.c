@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void free_json(void *o)
@@ -67,4 +68,5 @@ void get_hash(const char *arguments, char hash[32], double *steps)
     const cJSON *o = json_of_program(&p);
     snprintf(hash, 32, "%s", json_string(o, "hash"));
     *steps = json_number(o, "steps");
+    assert_true(json_number(o, "step") == atof(strstr(arguments, "--steps ") + strlen("--steps ")));
 }

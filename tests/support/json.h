@@ -15,6 +15,7 @@ cJSON *json_of(const char *chars);
 cJSON *json_of_program(program *p);
 
 // Runs the program, whose JSON has the state hash of a motion and the step that it came to.
+// Runs a command that moves a scene to step --steps: its state hash, and the steps that it made.
 void get_hash(const char *arguments, char hash[32], double *steps);
 
 double json_number(const cJSON *o, const char *key);
