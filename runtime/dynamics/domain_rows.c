@@ -105,6 +105,7 @@ static bool pack(duet_motion *m, const some_rows *s, void *packed, duet_error *e
             motion_fetch(m, stage, GATHERED, 0, packed, s->n * packed_bytes(s), err));
 }
 
+// Waits, for packed and places are the caller's and the device may still read them.
 static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error *err)
 {
     if (m->buffers[s->which].host)
@@ -112,7 +113,8 @@ static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error 
     return s->n == 0 || (prepare(m, s, err) &&
                          timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
                                            s->n * packed_bytes(s), err) &&
-                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err));
+                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err) &&
+                         timeline_finish(&m->times, err));
 }
 
 // ---------------------------------------------------------------- rows by body

@@ -230,7 +230,7 @@ TEST(scenes_are_known_by_name)
         program shown = program_run("scenes %s", name);
         assert_int_equal(strncmp(shown.out, "-- SPDX", 7), 0);
     }
-    assert_int_equal(n, 15);
+    assert_int_equal(n, 16);
     program_assert_refused(program_run("run papr"), 2,
                            "papr: no such file or scene; did you mean 'paper'?");
     program_assert_refused(program_run("run abacus"), 2,

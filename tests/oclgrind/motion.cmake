@@ -5,6 +5,7 @@
 #   PROGRAM  duet
 #   KERNELS  kernels
 #   DIMS     2 or 3
+#   CLUSTER  whether duet has the command cluster
 #   and those of begin.cmake
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/begin.cmake)
@@ -13,10 +14,10 @@ if(NOT ICD)
 endif()
 set(ENV{OCLGRIND_INST_COUNTS} 1) # tells the kernels that were launched
 
-# Runs the case on B = device and gives the line with the state's hash.
-function(state_of case steps device result)
+# Runs the case on B = device by a command of duet and gives the line with the state's hash.
+function(state_by command case steps device result)
   separate_arguments(arguments UNIX_COMMAND "${case}")
-  execute_process(COMMAND ${PROGRAM} run ${CMAKE_CURRENT_LIST_DIR}/boxes.lua ${arguments}
+  execute_process(COMMAND ${PROGRAM} ${command} ${CMAKE_CURRENT_LIST_DIR}/boxes.lua ${arguments}
     --steps ${steps} --pair pocl:0,${device}
     RESULT_VARIABLE status OUTPUT_VARIABLE out ERROR_VARIABLE err)
   if(NOT status EQUAL 0 OR NOT err STREQUAL "" OR NOT out MATCHES "state hash ([0-9a-f]+)")
@@ -26,6 +27,10 @@ function(state_of case steps device result)
   string(REGEX MATCHALL "kernel '[a-z_]+'" names "${out}")
   set(launched ${launched} ${names} PARENT_SCOPE)
 endfunction()
+
+macro(state_of case steps device result)
+  state_by(run "${case}" ${steps} ${device} ${result})
+endmacro()
 
 set(launched "")
 set(cases_3 "2 --set hills=true" "2 --set mesh=true") # a ground is three-dimensional
@@ -46,6 +51,17 @@ foreach(case ${cases_${DIMS}}
     message(FATAL_ERROR "${case}: the state is ${simulated}, not ${right}")
   endif()
 endforeach()
+
+# Two domains send each other rows, if this build has duet cluster.
+if(CLUSTER)
+  state_by(cluster "--set dims=${DIMS} --parts 2" 3 oclgrind:0 simulated)
+  state_of("--set dims=${DIMS}" 3 pocl:0 right)
+  if(NOT simulated STREQUAL right)
+    message(FATAL_ERROR "two domains: the state is ${simulated}, not ${right}")
+  endif()
+else()
+  list(APPEND launched "kernel 'pack_rows'" "kernel 'unpack_rows'")
+endif()
 
 # Reads and contact queries, which no run of a scene makes.
 function(numbers_of device result)
