@@ -75,6 +75,8 @@ bool ground_shape_contain(const ground_shape *ground, const float at[3])
 
 double ground_shape_distance(const ground_shape *ground, const float at[3])
 {
+    if (ground_shape_contain(ground, at))
+        return 0.0;
     return ground->tree ? mesh_distance(&ground->mesh, ground->tree, at)
                         : heights_distance(&ground->heights, at);
 }

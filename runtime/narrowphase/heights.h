@@ -26,7 +26,7 @@ ground_piece heights_piece(const duet_heights *h, uint32_t i, uint32_t j, bool u
 // numbers; with a radius in double, within 2^-40 of the sizes. Sets entry if it does.
 bool heights_meet(const duet_heights *h, const ground_probe *probe, ground_entry *entry);
 
-// How far a point is from the ground, 0 in it.
+// How far a point is from the ground, which it is not in.
 double heights_distance(const duet_heights *h, const float at[3]);
 
 #endif

@@ -96,12 +96,7 @@ static void search_cells(search *s)
 
 double heights_distance(const duet_heights *h, const float at[3])
 {
-    const duet_ray still = {.origin = {at[0], at[1], at[2]}};
-    const ground_probe probe = ground_probe_of_ray(&still);
-    ground_entry entry;
     search s = {.heights = h, .at = {at[0], at[1], at[2]}, .square = INFINITY};
-    if (heights_meet(h, &probe, &entry))
-        return 0.0;
     for (int k = 0; k < 2; ++k) {
         uint32_t last = (k == 0 ? h->nx : h->ny) - 1;
         if (beyond(&s, k, 0, last) > 0.0)

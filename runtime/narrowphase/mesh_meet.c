@@ -124,12 +124,7 @@ static void search_node(search *s, uint32_t node, double square)
 
 double mesh_distance(const duet_mesh *mesh, const mesh_node *tree, const float at[3])
 {
-    const duet_ray still = {.origin = {at[0], at[1], at[2]}};
-    const ground_probe probe = ground_probe_of_ray(&still);
-    ground_entry entry;
     search s = {.mesh = mesh, .tree = tree, .at = {at[0], at[1], at[2]}, .square = INFINITY};
-    if (mesh_meet(mesh, tree, &probe, &entry))
-        return 0.0;
     search_node(&s, 0, 0.0);
     return sqrt(s.square);
 }

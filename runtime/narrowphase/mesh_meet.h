@@ -14,7 +14,7 @@
 bool mesh_meet(const duet_mesh *mesh, const mesh_node *tree, const ground_probe *probe,
                ground_entry *entry);
 
-// How far a point is from the nearest triangle, 0 on one.
+// How far a point is from the nearest triangle, on none of which it lies.
 double mesh_distance(const duet_mesh *mesh, const mesh_node *tree, const float at[3]);
 
 #endif
