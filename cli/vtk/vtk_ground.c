@@ -59,9 +59,8 @@ static void write_vertices(FILE *to, const void *of)
 {
     const duet_mesh *m = of;
     for (uint32_t i = 0; i < m->n_vertices; ++i) {
-        const float *v = mesh_vertex(m, i);
-        const double at[3] = {m->origin[0] + (double)v[0], m->origin[1] + (double)v[1],
-                              m->origin[2] + (double)v[2]};
+        double at[3];
+        mesh_place_vertex(m, i, at);
         fwrite(at, sizeof at, 1, to);
     }
 }

@@ -136,11 +136,16 @@ bool mesh_check_places(const duet_mesh *m, duet_error *err)
     return true;
 }
 
-void mesh_place(const duet_mesh *m, uint32_t triangle, uint32_t corner, double at[3])
+void mesh_place_vertex(const duet_mesh *m, uint32_t vertex, double at[3])
 {
-    const float *v = mesh_vertex(m, m->triangles[3 * (size_t)triangle + corner]);
+    const float *v = mesh_vertex(m, vertex);
     for (int k = 0; k < 3; ++k)
         at[k] = m->origin[k] + (double)v[k];
+}
+
+void mesh_place(const duet_mesh *m, uint32_t triangle, uint32_t corner, double at[3])
+{
+    mesh_place_vertex(m, m->triangles[3 * (size_t)triangle + corner], at);
 }
 
 bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier, duet_error *err)
@@ -151,10 +156,8 @@ bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier,
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a mesh of %u vertices",
                          mesh->n_vertices);
     for (uint32_t i = 0; i < mesh->n_vertices; ++i) {
-        const float *v = mesh_vertex(mesh, i);
         double at[3], once[3], twice[3];
-        for (int k = 0; k < 3; ++k)
-            at[k] = mesh->origin[k] + (double)v[k];
+        mesh_place_vertex(mesh, i, at);
         cross(once, q, at);
         cross(twice, q, once);
         for (int k = 0; k < 3; ++k)

@@ -27,6 +27,8 @@ void mesh_set_normal(const float a[3], const float b[3], const float c[3], doubl
 // same triangles.
 bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier, duet_error *err);
 
+// Sets the place of a vertex, or of a triangle's corner.
+void mesh_place_vertex(const duet_mesh *mesh, uint32_t vertex, double at[3]);
 void mesh_place(const duet_mesh *mesh, uint32_t triangle, uint32_t corner, double at[3]);
 
 // Bytes of the vertices and of the triangles.
