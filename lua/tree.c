@@ -63,6 +63,15 @@ int tree_shape(lua_State *L, int index)
     return ((const tree_box *)class_check(L, index, &tree_class))->shape;
 }
 
+// Pushes the tree at 1 if what was asked of it is done, else nil and an error.
+static int push_tree(lua_State *L, bool ok, const duet_error *err)
+{
+    if (!ok)
+        return class_push_failure(L, err);
+    lua_settop(L, 1);
+    return 1;
+}
+
 // tree:set_objects(poses or bounds) -> tree
 static int tree_set_objects(lua_State *L)
 {
@@ -71,20 +80,16 @@ static int tree_set_objects(lua_State *L)
     const array *objects = array_check(L, 2, rows_of[box->shape]);
     duet_object_kind kind = array_object_kind(objects->kind);
     luaL_argcheck(L, objects->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
-    if (!duet_tree_set_objects(box->tree.object, kind, objects->rows, (uint32_t)objects->n, &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
+    return push_tree(
+        L, duet_tree_set_objects(box->tree.object, kind, objects->rows, (uint32_t)objects->n, &err),
+        &err);
 }
 
 // tree:set_motion(motion) -> tree
 static int tree_set_motion(lua_State *L)
 {
     duet_error err = {0};
-    if (!duet_tree_set_motion(tree_check(L, 1), motion_check_at(L, 2), &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
+    return push_tree(L, duet_tree_set_motion(tree_check(L, 1), motion_check_at(L, 2), &err), &err);
 }
 
 // The table behind a tree, which becomes the only other argument; nil: there is none.
@@ -102,10 +107,7 @@ static int tree_set_heights(lua_State *L)
     duet_error err = {0};
     duet_tree *tree = tree_check(L, 1);
     const duet_heights *heights = check_ground(L) ? motion_push_heights(L) : NULL;
-    if (!duet_tree_set_heights(tree, heights, &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
+    return push_tree(L, duet_tree_set_heights(tree, heights, &err), &err);
 }
 
 // tree:set_mesh { file = "drum.stl" } -> tree; likewise
@@ -114,10 +116,7 @@ static int tree_set_mesh(lua_State *L)
     duet_error err = {0};
     duet_tree *tree = tree_check(L, 1);
     const duet_mesh *mesh = check_ground(L) ? motion_push_mesh(L) : NULL;
-    if (!duet_tree_set_mesh(tree, mesh, &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
+    return push_tree(L, duet_tree_set_mesh(tree, mesh, &err), &err);
 }
 
 // tree:set_filters(filters) -> tree
@@ -127,10 +126,8 @@ static int tree_set_filters(lua_State *L)
     duet_tree *tree = tree_check(L, 1);
     const array *filters = array_check(L, 2, ARRAY_FILTERS);
     luaL_argcheck(L, filters->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
-    if (!duet_tree_set_filters(tree, filters->rows, (uint32_t)filters->n, &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
+    return push_tree(L, duet_tree_set_filters(tree, filters->rows, (uint32_t)filters->n, &err),
+                     &err);
 }
 
 // tree:set_share(share) -> tree
@@ -140,10 +137,8 @@ static int tree_set_share(lua_State *L)
     duet_tree *tree = tree_check(L, 1);
     lua_Number share = luaL_checknumber(L, 2);
     luaL_argcheck(L, share >= 0 && share <= 1, 2, "a share from 0 to 1");
-    if (!duet_tree_set_share(tree, (uint32_t)lround(share * DUET_SHARE_ONE), &err))
-        return class_push_failure(L, &err);
-    lua_settop(L, 1);
-    return 1;
+    return push_tree(L, duet_tree_set_share(tree, (uint32_t)lround(share * DUET_SHARE_ONE), &err),
+                     &err);
 }
 
 static void destroy(void *tree)
