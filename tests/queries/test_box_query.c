@@ -22,14 +22,6 @@ static duet_box_query *open_query(duet_tree *tree, duet_level level)
     return kept(duet_box_query_create(&def, ERR));
 }
 
-static duet_box_query_result ask(duet_box_query *query, duet_object_kind kind, const void *boxes,
-                                 uint64_t n)
-{
-    duet_box_query_result result;
-    must(duet_box_query_run(query, kind, boxes, n, &result, ERR));
-    return result;
-}
-
 enum { BOXES = 700, ASKED = 400 };
 
 // Hard pairs: one of each is asked, the other in the tree, and some big ones meet many.
@@ -74,7 +66,7 @@ static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
     assert_true(n > BOXES / 2 && m > ASKED / 2);
     duet_tree *tree = open_tree(dims, share, boxes, n);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
-    duet_box_query_result found = ask(query, DUET_OBJECT_POSES, asked, m);
+    duet_box_query_result found = join_boxes(query, DUET_OBJECT_POSES, asked, m);
     uint64_t at = 0;
     for (uint32_t i = 0; i < m; ++i)
         for (uint32_t id = 0; id < n; ++id) {
@@ -139,7 +131,7 @@ TEST(every_level_answers_as_a_pair_query)
     uint64_t bounds_hits = 0;
     for (int level = 0; level < DUET_LEVELS; ++level) {
         duet_box_query *query = open_query(tree, (duet_level)level);
-        duet_box_query_result found = ask(query, DUET_OBJECT_POSES, asked, M);
+        duet_box_query_result found = join_boxes(query, DUET_OBJECT_POSES, asked, M);
         assert_int_equal(found.n_hits,
                          count_by_pairs((duet_level)level, boxes, N, asked, M, &found));
         bounds_hits = level == DUET_LEVEL_AABB ? found.n_hits : bounds_hits;
@@ -160,7 +152,7 @@ TEST(bounds_meet_where_comparisons_say_so)
     for (uint32_t dims = 2; dims <= 3; ++dims) {
         duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 4, bounds, N);
         duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
-        duet_box_query_result found = ask(query, DUET_OBJECT_BOUNDS, bounds, N);
+        duet_box_query_result found = join_boxes(query, DUET_OBJECT_BOUNDS, bounds, N);
         uint64_t at = 0;
         for (uint32_t i = 0; i < N; ++i)
             for (uint32_t id = 0; id < N; ++id) {
@@ -235,7 +227,7 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
     must(duet_world_step(world, &result, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, poses, N);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
-    duet_box_query_result found = ask(query, DUET_OBJECT_POSES, poses, N);
+    duet_box_query_result found = join_boxes(query, DUET_OBJECT_POSES, poses, N);
     assert_int_equal(found.n_hits, N + 2 * result.pairs);
     duet_pair *pairs = test_alloc((size_t)result.pairs * sizeof *pairs);
     uint64_t n = 0;
@@ -262,8 +254,8 @@ TEST(what_is_no_box_is_refused_by_its_number)
     asked[2].half_extents[1] = -1;
     must_fail(duet_box_query_run(query, DUET_OBJECT_POSES, asked, 3, &found, ERR),
               DUET_STATUS_BAD_OBJECT, "box 2:");
-    assert_int_equal(ask(query, DUET_OBJECT_POSES, asked, 2).n_hits, 2);
-    assert_int_equal(ask(query, DUET_OBJECT_POSES, NULL, 0).n_hits, 0);
+    assert_int_equal(join_boxes(query, DUET_OBJECT_POSES, asked, 2).n_hits, 2);
+    assert_int_equal(join_boxes(query, DUET_OBJECT_POSES, NULL, 0).n_hits, 0);
 }
 
 TEST_MAIN(open_devices, close_devices)

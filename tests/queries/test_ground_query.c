@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rays and points against a ground of heights: all triangles and walls in long double, touching
 // rays to the last bit, and the ground among objects.
+#include "support/real.h"
 #include "support/test.h"
 
 #include "support/devices.h"
@@ -11,8 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef long double real;
 
 enum { NX = 13, NY = 9, RAYS = 4000, POINTS = 600 };
 
@@ -47,27 +46,6 @@ static void place(const field *f, uint32_t i, uint32_t j, real at[3])
     at[2] = f->heights.origin[2] + (double)f->values[j * NX + i];
 }
 
-static void less(real out[3], const real a[3], const real b[3])
-{
-    for (int k = 0; k < 3; ++k)
-        out[k] = a[k] - b[k];
-}
-
-static void cross(real out[3], const real u[3], const real v[3])
-{
-    for (int k = 0; k < 3; ++k)
-        out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-}
-
-static real dot(const real u[3], const real v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
-
-typedef struct triangle {
-    real at[3][3];
-} triangle;
-
 enum { TRIANGLES = 2 * (NX - 1) * (NY - 1) };
 
 static triangle triangle_of(const field *f, uint32_t k)
@@ -86,8 +64,8 @@ static real height_at(const field *f, real x, real y)
     for (uint32_t k = 0; k < TRIANGLES; ++k) {
         triangle t = triangle_of(f, k);
         real e1[3], e2[3], way[3] = {x - t.at[0][0], y - t.at[0][1], 0};
-        less(e1, t.at[1], t.at[0]);
-        less(e2, t.at[2], t.at[0]);
+        real_less(e1, t.at[1], t.at[0]);
+        real_less(e2, t.at[2], t.at[0]);
         real det = e1[0] * e2[1] - e1[1] * e2[0];
         real u = (way[0] * e2[1] - way[1] * e2[0]) / det,
              v = (e1[0] * way[1] - e1[1] * way[0]) / det;
@@ -107,23 +85,6 @@ static void point_at(const duet_ray *ray, real t, real at[3])
 {
     for (int k = 0; k < 3; ++k)
         at[k] = (real)ray->origin[k] + t * (real)ray->direction[k];
-}
-
-// Where a ray passes a triangle; INFINITY: it does not.
-static real pass(const triangle *t, const duet_ray *ray)
-{
-    real e1[3], e2[3], way[3], p[3], q[3], go[3], from[3];
-    for (int k = 0; k < 3; ++k) {
-        go[k] = ray->direction[k];
-        from[k] = ray->origin[k];
-    }
-    less(e1, t->at[1], t->at[0]);
-    less(e2, t->at[2], t->at[0]);
-    less(way, from, t->at[0]);
-    cross(p, go, e2);
-    cross(q, way, e1);
-    real det = dot(e1, p), u = dot(way, p) / det, v = dot(go, q) / det;
-    return u >= 0 && v >= 0 && u + v <= 1 ? dot(e2, q) / det : INFINITY;
 }
 
 // Where a ray passes the wall of one of four sides.
@@ -148,8 +109,7 @@ static real cast(const field *f, const duet_ray *ray)
         return 0;
     for (uint32_t k = 0; k < TRIANGLES; ++k) {
         triangle t = triangle_of(f, k);
-        real at = pass(&t, ray);
-        best = at >= 0 ? fminl(best, at) : best;
+        best = fminl(best, triangle_pass(&t, ray));
     }
     for (int side = 0; side < 4; ++side)
         best = fminl(best, pass_wall(f, ray, side));
@@ -327,12 +287,12 @@ TEST(points_beside_the_surface_are_told_apart)
 static real distance_to_segment(const real a[3], const real b[3], const real p[3])
 {
     real e[3], way[3];
-    less(e, b, a);
-    less(way, p, a);
-    real t = fminl(fmaxl(dot(e, way) / dot(e, e), 0), 1);
+    real_less(e, b, a);
+    real_less(way, p, a);
+    real t = fminl(fmaxl(real_dot(e, way) / real_dot(e, e), 0), 1);
     for (int k = 0; k < 3; ++k)
         way[k] -= t * e[k];
-    return sqrtl(dot(way, way));
+    return sqrtl(real_dot(way, way));
 }
 
 static real distance_to_triangle(const triangle *t, const real p[3])
@@ -340,15 +300,16 @@ static real distance_to_triangle(const triangle *t, const real p[3])
     real best = INFINITY, e1[3], e2[3], n[3], way[3];
     for (int k = 0; k < 3; ++k)
         best = fminl(best, distance_to_segment(t->at[k], t->at[(k + 1) % 3], p));
-    less(e1, t->at[1], t->at[0]);
-    less(e2, t->at[2], t->at[0]);
-    less(way, p, t->at[0]);
-    cross(n, e1, e2);
-    real square = dot(n, n), out1[3], out2[3];
-    cross(out1, way, e2);
-    cross(out2, e1, way);
-    real u = dot(out1, n) / square, v = dot(out2, n) / square;
-    return u >= 0 && v >= 0 && u + v <= 1 ? fminl(best, fabsl(dot(way, n)) / sqrtl(square)) : best;
+    real_less(e1, t->at[1], t->at[0]);
+    real_less(e2, t->at[2], t->at[0]);
+    real_less(way, p, t->at[0]);
+    real_cross(n, e1, e2);
+    real square = real_dot(n, n), out1[3], out2[3];
+    real_cross(out1, way, e2);
+    real_cross(out2, e1, way);
+    real u = real_dot(out1, n) / square, v = real_dot(out2, n) / square;
+    return u >= 0 && v >= 0 && u + v <= 1 ? fminl(best, fabsl(real_dot(way, n)) / sqrtl(square))
+                                          : best;
 }
 
 // The nearest point of the wall under an edge: the distance is convex along it.
@@ -422,25 +383,6 @@ TEST(the_ground_is_as_far_as_all_its_triangles_say)
 
 // ---------------------------------------------------------------- boxes
 
-// A box as its corners, in long double, moved along.
-typedef struct block {
-    real centre[3], axis[3][3], half[3];
-} block;
-
-static block block_of(const duet_pose *pose)
-{
-    const float *q = pose->rotation;
-    real x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / (x * x + y * y + z * z + w * w);
-    block b = {.axis = {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-                        {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
-                        {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
-    for (int k = 0; k < 3; ++k) {
-        b.centre[k] = pose->centre[k];
-        b.half[k] = pose->half_extents[k];
-    }
-    return b;
-}
-
 static void corner_of(const block *b, int which, real at[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -460,36 +402,25 @@ static real inside(const triangle *t, int e, const real p[3])
 static real above_plane(const triangle *t, const real p[3])
 {
     real e1[3], e2[3], n[3], way[3];
-    less(e1, t->at[1], t->at[0]);
-    less(e2, t->at[2], t->at[0]);
-    less(way, p, t->at[0]);
-    cross(n, e1, e2);
-    return dot(n, way) / n[2];
+    real_less(e1, t->at[1], t->at[0]);
+    real_less(e2, t->at[2], t->at[0]);
+    real_less(way, p, t->at[0]);
+    real_cross(n, e1, e2);
+    return real_dot(n, way) / n[2];
 }
 
 // The corners of a face, clipped by the triangle's edges: the lowest one over its plane.
 static real lowest_of_face(const triangle *t, const block *b, int axis, int side)
 {
-    real from[12][3], to[12][3], lowest = INFINITY;
+    real from[12][3], in[12], lowest = INFINITY;
     int n = 4, u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, first = side << axis;
     const int walk[4] = {first, first | u, first | u | v, first | v};
     for (int i = 0; i < 4; ++i)
         corner_of(b, walk[i], from[i]);
     for (int e = 0; e < 3; ++e) {
-        int kept = 0;
-        for (int i = 0; i < n; ++i) {
-            const real *p = from[i], *q = from[(i + 1) % n];
-            real at_p = inside(t, e, p), at_q = inside(t, e, q);
-            if (at_p >= 0)
-                memcpy(to[kept++], p, sizeof *to);
-            if ((at_p >= 0) != (at_q >= 0)) {
-                for (int k = 0; k < 3; ++k)
-                    to[kept][k] = p[k] + at_p / (at_p - at_q) * (q[k] - p[k]);
-                ++kept;
-            }
-        }
-        n = kept;
-        memcpy(from, to, sizeof from);
+        for (int i = 0; i < n; ++i)
+            in[i] = inside(t, e, from[i]);
+        n = polygon_clip(from, n, in);
     }
     for (int i = 0; i < n; ++i)
         lowest = fminl(lowest, above_plane(t, from[i]));
@@ -530,21 +461,6 @@ static duet_bounds bounds_of(const duet_pose *box)
     return b;
 }
 
-static duet_box_query_result join(duet_box_query *query, duet_object_kind kind, const void *boxes,
-                                  uint64_t n)
-{
-    duet_box_query_result result;
-    must(duet_box_query_run(query, kind, boxes, n, &result, ERR));
-    return result;
-}
-
-static duet_box_query *open_box_query(duet_tree *tree)
-{
-    duet_box_query_def def = duet_default_box_query_def();
-    def.tree = tree;
-    return kept(duet_box_query_create(&def, ERR));
-}
-
 static duet_tree *open_ground_of(const field *f, duet_shape shape)
 {
     duet_tree *tree =
@@ -565,8 +481,8 @@ static void join_some(const field *f, rng *r, bool upright)
     }
     duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
     duet_box_query *query = open_box_query(tree);
-    duet_box_query_result found = upright ? join(query, DUET_OBJECT_BOUNDS, bounds, BOXES)
-                                          : join(query, DUET_OBJECT_POSES, boxes, BOXES);
+    duet_box_query_result found = upright ? join_boxes(query, DUET_OBJECT_BOUNDS, bounds, BOXES)
+                                          : join_boxes(query, DUET_OBJECT_POSES, boxes, BOXES);
     for (uint32_t i = 0; i < BOXES; ++i) {
         block b = block_of(&boxes[i]);
         real high = clearance(f, &b);
@@ -610,23 +526,15 @@ TEST(boxes_that_only_touch_are_met)
     for (size_t i = 0; i < sizeof touching / sizeof *touching; ++i) {
         duet_pose box = touching[i];
         int k = free_along[i];
-        if (join(query, DUET_OBJECT_POSES, &box, 1).n_hits != 1)
+        if (join_boxes(query, DUET_OBJECT_POSES, &box, 1).n_hits != 1)
             fail_msg("box %zu touches, and is not met", i);
         box.centre[k] = nextafterf(box.centre[k], k == 0 ? -INFINITY : INFINITY);
-        if (join(query, DUET_OBJECT_POSES, &box, 1).n_hits != 0)
+        if (join_boxes(query, DUET_OBJECT_POSES, &box, 1).n_hits != 0)
             fail_msg("box %zu is a bit beside the ground, and meets it", i);
     }
 }
 
 // ---------------------------------------------------------------- sweeps
-
-static block moved(const duet_sweep *sweep, real t)
-{
-    block b = block_of(&sweep->box);
-    for (int k = 0; k < 3; ++k)
-        b.centre[k] += t * (real)sweep->direction[k];
-    return b;
-}
 
 // Nowhere before, at twenty places; there; and no more when it is pushed along the normal.
 static void check_sweep(const field *f, const duet_sweep *sweep, const duet_sweep_hit *hit)
@@ -634,17 +542,17 @@ static void check_sweep(const field *f, const duet_sweep *sweep, const duet_swee
     bool met = hit->id != DUET_NO_OBJECT;
     real last = met ? (real)hit->t : (real)sweep->t_max;
     for (int i = 0; i <= 20 && last > 0; ++i) {
-        block b = moved(sweep, (1 - 1e-6L) * last * i / 20);
+        block b = block_moved(sweep, (1 - 1e-6L) * last * i / 20);
         if (clearance(f, &b) < -1e-6L)
             fail_msg("sweep %u meets the ground before %.9Lg", hit->sweep, last);
     }
     if (!met)
         return;
-    block b = moved(sweep, last + 1e-5L); // rounding may leave it before a wall
+    block b = block_moved(sweep, last + 1e-5L); // rounding may leave it before a wall
     real high = clearance(f, &b);
     if (!(high < 5e-5L))
         fail_msg("sweep %u is %Lg above the ground at %.9Lg", hit->sweep, high, last);
-    b = moved(sweep, last);
+    b = block_moved(sweep, last);
     real square = 0, along = 0;
     for (int k = 0; k < 3; ++k) {
         b.centre[k] += 1e-4L * (real)hit->normal[k];
@@ -739,7 +647,7 @@ TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     must(duet_tree_set_heights(tree, &f->heights, ERR));
     duet_box_query *query = open_box_query(tree);
-    duet_box_query_result found = join(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES);
+    duet_box_query_result found = join_boxes(query, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES);
     for (uint32_t i = 0; i < BOXES; ++i) {
         block b = block_of(&boxes[i].pose);
         real far = distance_of_core(f, &b) - (real)boxes[i].radius;

@@ -2,6 +2,7 @@
 // Rays, points, boxes and sweeps against a ground of triangles: all triangles in long double, and
 // in whole numbers where things only touch.
 #include "support/ground.h"
+#include "support/real.h"
 #include "support/test.h"
 
 #include "support/devices.h"
@@ -10,8 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef long double real;
 
 enum { TRIANGLES = 300, GROUND = 6 }; // no objects, and walls have 0 to 5
 
@@ -55,54 +54,30 @@ static duet_tree *take_soup(duet_tree *tree, const soup *s)
 
 // ---------------------------------------------------------------- truth
 
-static void less(real out[3], const real a[3], const real b[3])
+static triangle triangle_of(const soup *s, uint32_t i)
 {
-    for (int k = 0; k < 3; ++k)
-        out[k] = a[k] - b[k];
+    triangle t;
+    for (int corner = 0; corner < 3; ++corner)
+        for (int k = 0; k < 3; ++k)
+            t.at[corner][k] = s->mesh.origin[k] + (double)s->vertices[9 * i + 3 * corner + k];
+    return t;
 }
 
-static void cross(real out[3], const real u[3], const real v[3])
+static double distance_to(const triangle *t, vector p)
 {
-    for (int k = 0; k < 3; ++k)
-        out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-}
-
-static real dot(const real u[3], const real v[3])
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-}
-
-static void place(const soup *s, uint32_t triangle, int corner, real at[3])
-{
-    for (int k = 0; k < 3; ++k)
-        at[k] = s->mesh.origin[k] + (double)s->vertices[9 * triangle + 3 * corner + k];
-}
-
-// Where a ray passes a triangle; INFINITY: it does not.
-static real pass(const soup *s, uint32_t triangle, const duet_ray *ray)
-{
-    real a[3], b[3], c[3], e1[3], e2[3], way[3], p[3], q[3], go[3], from[3];
-    for (int k = 0; k < 3; ++k) {
-        go[k] = ray->direction[k];
-        from[k] = ray->origin[k];
-    }
-    place(s, triangle, 0, a);
-    place(s, triangle, 1, b);
-    place(s, triangle, 2, c);
-    less(e1, b, a);
-    less(e2, c, a);
-    less(way, from, a);
-    cross(p, go, e2);
-    cross(q, way, e1);
-    real det = dot(e1, p), u = dot(way, p) / det, v = dot(go, q) / det, t = dot(e2, q) / det;
-    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 ? t : INFINITY;
+    vector corner[3];
+    for (int c = 0; c < 3; ++c)
+        corner[c] = (vector){(double)t->at[c][0], (double)t->at[c][1], (double)t->at[c][2]};
+    return triangle_distance(p, corner);
 }
 
 static real cast(const soup *s, const duet_ray *ray)
 {
     real best = INFINITY;
-    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i)
-        best = fminl(best, pass(s, i, ray));
+    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
+        triangle t = triangle_of(s, i);
+        best = fminl(best, triangle_pass(&t, ray));
+    }
     return best <= (real)ray->t_max ? best : INFINITY;
 }
 
@@ -110,13 +85,8 @@ static double distance(const soup *s, const double at[3])
 {
     double best = INFINITY;
     for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
-        vector t[3];
-        for (int c = 0; c < 3; ++c) {
-            real corner[3];
-            place(s, i, c, corner);
-            t[c] = (vector){(double)corner[0], (double)corner[1], (double)corner[2]};
-        }
-        best = fmin(best, triangle_distance((vector){at[0], at[1], at[2]}, t));
+        triangle t = triangle_of(s, i);
+        best = fmin(best, distance_to(&t, (vector){at[0], at[1], at[2]}));
     }
     return best;
 }
@@ -202,7 +172,7 @@ TEST(a_normal_looks_at_the_ray_from_either_side)
 
 // ---------------------------------------------------------------- points
 
-// Of three nearest, one box is the other.
+// Three nearest are asked for: the mesh, one box, and nothing.
 TEST(a_mesh_is_as_far_as_all_its_triangles_say)
 {
     enum { POINTS = 600 };
@@ -280,7 +250,7 @@ static bool is_on(const whole t[3], whole at, int64_t scale, whole normal)
     return on;
 }
 
-// Of two segments in one plane.
+// Whether two segments in one plane meet.
 static bool segments_cross(whole a, whole b, whole c, whole d, whole normal)
 {
     int c_side = side_of(a, b, c, normal), d_side = side_of(a, b, d, normal);
@@ -442,16 +412,11 @@ TEST(boxes_of_whole_numbers_meet_exactly)
     rng r = rng_seed(test_seed());
     uint32_t met = 0;
     duet_tree *poses = open_tree(3, 0, NULL, 0), *bounds = open_bounds_tree(3, 0, NULL, 0);
-    duet_box_query_def def = duet_default_box_query_def();
-    def.tree = poses;
-    duet_box_query *of_poses = kept(duet_box_query_create(&def, ERR));
-    def.tree = bounds;
-    duet_box_query *of_bounds = kept(duet_box_query_create(&def, ERR));
+    duet_box_query *of_poses = open_box_query(poses), *of_bounds = open_box_query(bounds);
     for (int round = 0; round < 60; ++round) {
         whole t[3], lower[EACH], upper[EACH];
         duet_pose pose[EACH];
         duet_bounds bound[EACH];
-        duet_box_query_result found[2];
         draw_triangle(&r, t);
         soup *s = soup_of(t);
         take_soup(poses, s);
@@ -468,8 +433,9 @@ TEST(boxes_of_whole_numbers_meet_exactly)
             set_floats(bound[i].lower, lower[i]);
             set_floats(bound[i].upper, upper[i]);
         }
-        must(duet_box_query_run(of_poses, DUET_OBJECT_POSES, pose, EACH, &found[0], ERR));
-        must(duet_box_query_run(of_bounds, DUET_OBJECT_BOUNDS, bound, EACH, &found[1], ERR));
+        const duet_box_query_result found[2] = {
+            join_boxes(of_poses, DUET_OBJECT_POSES, pose, EACH),
+            join_boxes(of_bounds, DUET_OBJECT_BOUNDS, bound, EACH)};
         for (uint32_t i = 0, at[2] = {0, 0}; i < EACH; ++i) {
             bool expected = box_meets(lower[i], upper[i], t);
             for (int k = 0; k < 2; ++k) {
@@ -488,66 +454,33 @@ TEST(boxes_of_whole_numbers_meet_exactly)
 
 // ---------------------------------------------------------------- boxes and sweeps
 
-typedef struct block {
-    real centre[3], axis[3][3], half[3];
-} block;
-
-static block block_of(const duet_pose *pose)
-{
-    const float *q = pose->rotation;
-    real x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / (x * x + y * y + z * z + w * w);
-    block b = {.axis = {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-                        {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
-                        {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
-    for (int k = 0; k < 3; ++k) {
-        b.centre[k] = pose->centre[k];
-        b.half[k] = pose->half_extents[k];
-    }
-    return b;
-}
-
-// What of a polygon in the box's frame lies on one side of a face.
-static int clip(real at[12][3], int n, int k, real side, real half)
-{
-    real to[12][3];
-    int kept = 0;
-    for (int i = 0; i < n; ++i) {
-        const real *p = at[i], *q = at[(i + 1) % n];
-        real in_p = half - side * p[k], in_q = half - side * q[k];
-        if (in_p >= 0)
-            memcpy(to[kept++], p, sizeof *to);
-        if ((in_p >= 0) != (in_q >= 0)) {
-            for (int m = 0; m < 3; ++m)
-                to[kept][m] = p[m] + in_p / (in_p - in_q) * (q[m] - p[m]);
-            ++kept;
-        }
-    }
-    memcpy(at, to, sizeof to);
-    return kept;
-}
-
 // Whether something of a triangle is in a box that is larger on all sides.
-static bool reaches(const soup *s, uint32_t triangle, const block *b, real larger)
+static bool reaches(const triangle *t, const block *b, real larger)
 {
-    real at[12][3];
+    real at[12][3], in[12];
     int n = 3;
     for (int c = 0; c < 3; ++c) {
-        real corner[3], way[3];
-        place(s, triangle, c, corner);
-        less(way, corner, b->centre);
+        real way[3];
+        real_less(way, t->at[c], b->centre);
         for (int k = 0; k < 3; ++k)
-            at[c][k] = dot(way, b->axis[k]);
+            at[c][k] = real_dot(way, b->axis[k]);
     }
-    for (int k = 0; k < 6 && n > 0; ++k)
-        n = clip(at, n, k / 2, k % 2 ? 1 : -1, b->half[k / 2] + larger);
+    for (int face = 0; face < 6 && n > 0; ++face) {
+        int k = face / 2, side = face % 2 ? 1 : -1;
+        for (int i = 0; i < n; ++i)
+            in[i] = b->half[k] + larger - side * at[i][k];
+        n = polygon_clip(at, n, in);
+    }
     return n > 0;
 }
 
 static bool any_reaches(const soup *s, const block *b, real larger)
 {
     bool any = false;
-    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i)
-        any = any || reaches(s, i, b, larger);
+    for (uint32_t i = 0; i < s->mesh.n_triangles && !any; ++i) {
+        triangle t = triangle_of(s, i);
+        any = reaches(&t, b, larger);
+    }
     return any;
 }
 
@@ -569,14 +502,11 @@ TEST(boxes_meet_a_mesh_if_something_of_a_triangle_is_in_them)
     rng r = rng_seed(test_seed());
     soup *s = draw_soup(&r);
     duet_pose boxes[BOXES];
-    duet_box_query_result found;
     uint32_t met = 0;
     for (int i = 0; i < BOXES; ++i)
         boxes[i] = draw_box(&r);
-    duet_box_query_def def = duet_default_box_query_def();
-    def.tree = take_soup(open_tree(3, 0, NULL, 0), s);
-    duet_box_query *query = kept(duet_box_query_create(&def, ERR));
-    must(duet_box_query_run(query, DUET_OBJECT_POSES, boxes, BOXES, &found, ERR));
+    duet_tree *tree = take_soup(open_tree(3, 0, NULL, 0), s);
+    duet_box_query_result found = join_boxes(open_box_query(tree), DUET_OBJECT_POSES, boxes, BOXES);
     for (uint32_t i = 0; i < BOXES; ++i) {
         block b = block_of(&boxes[i]);
         bool is_hit = met < found.n_hits && found.hits[met].box == i;
@@ -588,14 +518,6 @@ TEST(boxes_meet_a_mesh_if_something_of_a_triangle_is_in_them)
     free(s);
 }
 
-static block moved(const duet_sweep *sweep, real t)
-{
-    block b = block_of(&sweep->box);
-    for (int k = 0; k < 3; ++k)
-        b.centre[k] += t * (real)sweep->direction[k];
-    return b;
-}
-
 // Nowhere before, at twenty places; there; and no more of what it met when it is pushed along the
 // normal.
 static void check_sweep(const soup *s, const duet_sweep *sweep, const duet_sweep_hit *hit)
@@ -603,13 +525,13 @@ static void check_sweep(const soup *s, const duet_sweep *sweep, const duet_sweep
     bool met = hit->id != DUET_NO_OBJECT;
     real last = met ? (real)hit->t : (real)sweep->t_max, square = 0;
     for (int i = 0; i <= 20 && last > 0; ++i) {
-        block b = moved(sweep, (1 - 1e-6L) * last * i / 20);
+        block b = block_moved(sweep, (1 - 1e-6L) * last * i / 20);
         if (any_reaches(s, &b, -1e-5L))
             fail_msg("sweep %u meets the mesh before %.9Lg", hit->sweep, last);
     }
     if (!met)
         return;
-    block at = moved(sweep, last), pushed = at;
+    block at = block_moved(sweep, last), pushed = at;
     if (!any_reaches(s, &at, 1e-5L))
         fail_msg("sweep %u does not meet the mesh at %.9Lg", hit->sweep, last);
     for (int k = 0; k < 3; ++k) {
@@ -617,9 +539,11 @@ static void check_sweep(const soup *s, const duet_sweep *sweep, const duet_sweep
         square += (real)hit->normal[k] * (real)hit->normal[k];
     }
     assert_true(hit->t == 0 ? square == 0 : fabsl(square - 1) < 1e-6L);
-    for (uint32_t i = 0; i < s->mesh.n_triangles && hit->t > 0; ++i)
-        if (reaches(s, i, &at, 1e-5L) && reaches(s, i, &pushed, 1e-5L))
+    for (uint32_t i = 0; i < s->mesh.n_triangles && hit->t > 0; ++i) {
+        triangle t = triangle_of(s, i);
+        if (reaches(&t, &at, 1e-5L) && reaches(&t, &pushed, 1e-5L))
             fail_msg("sweep %u: the normal does not lead from triangle %u", hit->sweep, i);
+    }
 }
 
 TEST(sweeps_meet_a_mesh_there_and_not_before)
@@ -654,13 +578,8 @@ static double stick_distance(const soup *s, const duet_pose *stick, const float 
     block b = block_of(stick);
     double best = INFINITY;
     for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
-        vector corner[3];
+        triangle corners = triangle_of(s, i);
         double from = -1, to = 1;
-        for (int c = 0; c < 3; ++c) {
-            real at[3];
-            place(s, i, c, at);
-            corner[c] = (vector){(double)at[0], (double)at[1], (double)at[2]};
-        }
         for (int step = 0; step < 60; ++step) {
             double far[2], along[2] = {from + (to - from) / 3, to - (to - from) / 3};
             for (int m = 0; m < 2; ++m) {
@@ -668,7 +587,7 @@ static double stick_distance(const soup *s, const duet_pose *stick, const float 
                 for (int k = 0; k < 3; ++k)
                     p[k] = (double)(b.centre[k] + along[m] * b.half[0] * b.axis[0][k]) +
                            t * (double)direction[k];
-                far[m] = triangle_distance((vector){p[0], p[1], p[2]}, corner);
+                far[m] = distance_to(&corners, (vector){p[0], p[1], p[2]});
                 best = fmin(best, far[m]);
             }
             *(far[0] < far[1] ? &to : &from) = far[0] < far[1] ? along[1] : along[0];
@@ -685,7 +604,6 @@ TEST(capsules_meet_a_mesh_a_radius_away)
     soup *s = draw_soup(&r);
     duet_rounded_sweep sweeps[SWEEPS];
     duet_rounded_box boxes[SWEEPS];
-    duet_box_query_result joined;
     uint32_t met = 0, joins = 0;
     for (int i = 0; i < SWEEPS; ++i) {
         sweeps[i] = (duet_rounded_sweep){
@@ -698,10 +616,8 @@ TEST(capsules_meet_a_mesh_a_radius_away)
         boxes[i] = sweeps[i].box;
     }
     duet_tree *tree = take_soup(open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0), s);
-    duet_box_query_def def = duet_default_box_query_def();
-    def.tree = tree;
-    duet_box_query *query = kept(duet_box_query_create(&def, ERR));
-    must(duet_box_query_run(query, DUET_OBJECT_ROUNDED_BOXES, boxes, SWEEPS, &joined, ERR));
+    duet_box_query_result joined =
+        join_boxes(open_box_query(tree), DUET_OBJECT_ROUNDED_BOXES, boxes, SWEEPS);
     duet_sweep_query_result found = run_sweeps(open_sweep_query(tree, DUET_QUERY_CLOSEST),
                                                DUET_OBJECT_ROUNDED_BOXES, sweeps, SWEEPS);
     for (uint32_t i = 0; i < SWEEPS; ++i) {

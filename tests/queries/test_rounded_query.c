@@ -364,19 +364,12 @@ TEST(points_are_in_and_near_what_the_host_says)
 
 // ---------------------------------------------------------------- boxes
 
-static duet_box_query *open_boxes(duet_tree *tree)
-{
-    duet_box_query_def def = duet_default_box_query_def();
-    def.tree = tree;
-    return kept(duet_box_query_create(&def, ERR));
-}
-
 // Half of the boxes are asked about, then all of them against each other.
 static void boxes_in(duet_tree *tree, duet_object_kind kind, const void *objects,
                      const duet_rounded_box *boxes, uint32_t dims)
 {
     duet_box_query_result found;
-    duet_box_query *query = open_boxes(tree);
+    duet_box_query *query = open_box_query(tree);
     for (int itself = 0; itself < 2; ++itself) {
         uint32_t n = itself ? BOXES : BOXES / 2;
         uint64_t next = 0;

@@ -73,6 +73,21 @@ duet_point_query_result seek_points(duet_point_query *query, const duet_point *p
     return result;
 }
 
+duet_box_query *open_box_query(duet_tree *tree)
+{
+    duet_box_query_def def = duet_default_box_query_def();
+    def.tree = tree;
+    return kept(duet_box_query_create(&def, ERR));
+}
+
+duet_box_query_result join_boxes(duet_box_query *query, duet_object_kind kind, const void *boxes,
+                                 uint64_t n)
+{
+    duet_box_query_result result;
+    must(duet_box_query_run(query, kind, boxes, n, &result, ERR));
+    return result;
+}
+
 duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants)
 {
     duet_sweep_query_def def = duet_default_sweep_query_def();

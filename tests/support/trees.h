@@ -17,6 +17,9 @@ duet_ray_query *open_ray_query(duet_tree *tree, duet_query_wants wants, bool nor
 duet_ray_query_result cast_rays(duet_ray_query *query, const duet_ray *rays, uint64_t n);
 duet_point_query *open_point_query(duet_tree *tree, uint32_t nearest);
 duet_point_query_result seek_points(duet_point_query *query, const duet_point *points, uint64_t n);
+duet_box_query *open_box_query(duet_tree *tree);
+duet_box_query_result join_boxes(duet_box_query *query, duet_object_kind kind, const void *boxes,
+                                 uint64_t n);
 duet_sweep_query *open_sweep_query(duet_tree *tree, duet_query_wants wants);
 duet_sweep_query_result run_sweeps(duet_sweep_query *query, duet_object_kind kind,
                                    const void *sweeps, uint64_t n);
