@@ -227,7 +227,7 @@ static void turn_out_of_prism(plane *s, const ground_probe *probe, int entered)
         negate(s);
 }
 
-// What is not in a sheet's plane all along enters it there, if it is a point.
+// A point that is not in a sheet's plane all along enters the sheet by it.
 static int sheet_entered(const ground_piece *p, const ground_probe *probe, int entered)
 {
     const plane top = plane_of(p, probe, PIECE_TOP);

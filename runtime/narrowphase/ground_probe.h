@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What asks about a ground, and what it is told.
+// A probe, which asks about a ground, and the entry that it is told.
 #ifndef RUNTIME_GROUND_PROBE_H
 #define RUNTIME_GROUND_PROBE_H
 
@@ -25,7 +25,7 @@ ground_probe ground_probe_of_still_bounds(const duet_bounds *bounds); // borrowe
 ground_probe ground_probe_of_rounded_sweep(const duet_rounded_sweep *sweep);
 ground_probe ground_probe_of_rounded_box(const duet_rounded_box *box);
 
-// Where it first touches the ground.
+// The first time and place at which a probe touches the ground.
 typedef struct ground_entry {
     double t;         // 0 if, and only if, it touches the ground at the begin
     double normal[3]; // outward, of any length
