@@ -2,6 +2,7 @@
 // Bodies on a mesh that a body without mass carries: against closed forms, against the same body as
 // a box, and seen from the mesh.
 #include "support/ground.h"
+#include "support/shape.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -12,83 +13,42 @@ static const double weight = 9.81;
 
 // ---------------------------------------------------------------- carried meshes
 
-enum { MOST = 4000 };
-
-typedef struct carried {
-    duet_mesh mesh;
-    float vertices[3 * MOST];
-    uint32_t triangles[3 * MOST];
-} carried;
-
-static carried *carried_new(void)
+static shape *carried_new(void)
 {
-    carried *c = calloc(1, sizeof *c);
-    assert_non_null(c);
-    c->mesh = (duet_mesh){.vertices = c->vertices, .triangles = c->triangles, .carrier = 1};
-    return c;
-}
-
-static uint32_t put(carried *c, double x, double y, double z)
-{
-    float *at = c->vertices + 3 * c->mesh.n_vertices;
-    assert_true(c->mesh.n_vertices < MOST);
-    at[0] = (float)x;
-    at[1] = (float)y;
-    at[2] = (float)z;
-    return c->mesh.n_vertices++;
-}
-
-static void face(carried *c, uint32_t i, uint32_t j, uint32_t k)
-{
-    uint32_t *t = c->triangles + 3 * c->mesh.n_triangles;
-    assert_true(c->mesh.n_triangles < MOST);
-    t[0] = i;
-    t[1] = j;
-    t[2] = k;
-    ++c->mesh.n_triangles;
-}
-
-static void quad(carried *c, uint32_t i, uint32_t j, uint32_t k, uint32_t l)
-{
-    face(c, i, j, k);
-    face(c, i, k, l);
+    shape *s = shape_new();
+    s->mesh.carrier = 1;
+    return s;
 }
 
 // A level floor of n x n cells about the carrier.
-static carried *floor_of(double half, uint32_t n)
+static shape *floor_of(double half, uint32_t n)
 {
-    carried *c = carried_new();
-    for (uint32_t i = 0; i < (n + 1) * (n + 1); ++i)
-        put(c, half * (2.0 * (i % (n + 1)) / n - 1), half * (2.0 * (i / (n + 1)) / n - 1), 0);
-    for (uint32_t j = 0; j < n; ++j)
-        for (uint32_t i = 0; i < n; ++i) {
-            uint32_t a = j * (n + 1) + i, b = a + n + 1;
-            quad(c, a, a + 1, b + 1, b);
-        }
-    return c;
+    shape *s = carried_new();
+    shape_grid(s, n + 1, 2 * half / n, ground_flat);
+    return s;
 }
 
 // A drum about the y axis, its sides inward, with bars within.
-static carried *drum_of(double radius, double half, uint32_t sides)
+static shape *drum_of(double radius, double half, uint32_t sides)
 {
-    carried *c = carried_new();
-    uint32_t front = put(c, 0, -half, 0), back = put(c, 0, half, 0);
+    shape *c = carried_new();
+    uint32_t front = shape_vertex(c, 0, -half, 0), back = shape_vertex(c, 0, half, 0);
     for (uint32_t i = 0; i < sides; ++i) {
         double angle = 2 * acos(-1.0) * i / sides, r = radius * (i % 6 == 0 ? 0.8 : 1);
-        put(c, r * cos(angle), -half, r * sin(angle));
-        put(c, r * cos(angle), half, r * sin(angle));
+        shape_vertex(c, r * cos(angle), -half, r * sin(angle));
+        shape_vertex(c, r * cos(angle), half, r * sin(angle));
     }
     for (uint32_t i = 0; i < sides; ++i) {
         uint32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % sides);
-        quad(c, a, b, b + 1, a + 1);
-        face(c, front, b, a);
-        face(c, back, a + 1, b + 1);
+        shape_quad(c, a, b, b + 1, a + 1);
+        shape_triangle(c, front, b, a);
+        shape_triangle(c, back, a + 1, b + 1);
     }
     return c;
 }
 
 // A mover on that mesh, whose first body carries it and touches nothing.
-static mover *carrying(const carried *c)
+static mover *carrying(const shape *c)
 {
     mover *m = ground_mover();
     duet_body *b = &m->bodies[mover_add(m, 0, 0, 0, 0.01, 0.01, 0.01)];
@@ -112,7 +72,7 @@ static void set_velocity(mover *m, uint32_t id, double x, double y, double z)
 TEST(a_box_on_a_floor_that_goes_slides_until_it_goes_along)
 {
     const double v = 2, mu = 0.5;
-    carried *c = floor_of(20, 7);
+    shape *c = floor_of(20, 7);
     mover *m = carrying(c);
     set_velocity(m, 0, v, 0, 0);
     uint32_t id = ground_add(m, SHARP, 0.3, 0.2);
@@ -130,7 +90,7 @@ TEST(a_box_on_a_floor_that_goes_slides_until_it_goes_along)
 // A ball on a belt of speed v slides until it rolls, at 2/7 v.
 TEST(a_ball_on_a_floor_that_goes_rolls_at_two_sevenths)
 {
-    carried *c = floor_of(20, 7);
+    shape *c = floor_of(20, 7);
     mover *m = carrying(c);
     set_velocity(m, 0, 0, 1.4, 0);
     uint32_t id = ground_add(m, ROLLING_BALL, 0.3, 0.2);
@@ -144,7 +104,7 @@ TEST(a_ball_on_a_floor_that_goes_rolls_at_two_sevenths)
 
 TEST(a_floor_that_rises_lifts_what_lies_on_it)
 {
-    carried *c = floor_of(8, 5);
+    shape *c = floor_of(8, 5);
     mover *m = carrying(c);
     set_velocity(m, 0, 0, 0, 0.75);
     for (uint32_t kind = 0; kind < GROUND_KINDS; ++kind)
@@ -161,7 +121,7 @@ TEST(a_floor_that_rises_lifts_what_lies_on_it)
 TEST(a_block_turns_with_its_table)
 {
     const double w = 1, out = 0.5 * w * w / 3600;
-    carried *c = floor_of(5, 3);
+    shape *c = floor_of(5, 3);
     mover *m = carrying(c);
     uint32_t id = mover_add(m, 1.5, 0, 0.1, 0.1, 0.2, 0.1);
     m->bodies[0].angular_velocity[2] = m->bodies[id].angular_velocity[2] = (float)w;
@@ -179,7 +139,7 @@ TEST(a_block_turns_with_its_table)
 // Above mu g it does not.
 TEST(a_block_leaves_a_table_that_turns_too_fast)
 {
-    carried *c = floor_of(5, 3);
+    shape *c = floor_of(5, 3);
     for (int i = 0; i < 2; ++i) {
         mover *m = carrying(c);
         double w = i == 0 ? 1.9 : 2.6; // w^2 r of 3.6 and 6.8, on either side of mu g
@@ -198,12 +158,12 @@ TEST(a_block_leaves_a_table_that_turns_too_fast)
 // A trough, a V along y: the ball stays in its middle.
 TEST(a_ball_goes_along_with_its_trough)
 {
-    carried *c = carried_new();
+    shape *c = carried_new();
     for (int i = 0; i < 2; ++i)
         for (int k = -1; k <= 1; ++k)
-            put(c, k, i ? 9 : -9, fabs((double)k));
-    quad(c, 0, 1, 4, 3);
-    quad(c, 1, 2, 5, 4);
+            shape_vertex(c, k, i ? 9 : -9, fabs((double)k));
+    shape_quad(c, 0, 1, 4, 3);
+    shape_quad(c, 1, 2, 5, 4);
     mover *m = carrying(c);
     set_velocity(m, 0, 1.5, 0, 0);
     uint32_t id = mover_add(m, 0, 0, 0.25 * sqrt(2), 0, 0, 0);
@@ -222,7 +182,7 @@ TEST(a_ball_goes_along_with_its_trough)
 TEST(nothing_trips_over_the_seams_of_a_floor_that_goes)
 {
     static const double speeds[] = {1, 2, 5, 10};
-    carried *c = floor_of(32, 40);
+    shape *c = floor_of(32, 40);
     for (int i = 0; i < 4; ++i) {
         mover *m = carrying(c);
         double v = speeds[i], angle = 0.3 * i;
@@ -246,7 +206,7 @@ TEST(nothing_trips_over_the_seams_of_a_floor_that_goes)
 // The table as a box that turns, tilts and goes is the truth.
 TEST(bodies_on_a_carried_floor_go_as_on_a_box)
 {
-    carried *c = floor_of(6, 5);
+    shape *c = floor_of(6, 5);
     mover *m[2];
     for (int k = 0; k < 2; ++k) {
         m[k] = carrying(k == 0 ? c : NULL);
@@ -287,7 +247,7 @@ TEST(bodies_on_a_carried_floor_go_as_on_a_box)
 
 enum { GRAINS = 160 };
 
-static mover *grains_in(const carried *c, double speed)
+static mover *grains_in(const shape *c, double speed)
 {
     mover *m = carrying(c);
     m->bodies[0].angular_velocity[1] = (float)speed;
@@ -303,7 +263,7 @@ static mover *grains_in(const carried *c, double speed)
 // Grains are lifted and fall, and none leaves the drum.
 TEST(a_drum_that_turns_keeps_its_grains_and_lifts_them)
 {
-    carried *c = drum_of(1, 0.5, 24);
+    shape *c = drum_of(1, 0.5, 24);
     mover *m = grains_in(c, 1.5);
     double highest = -1;
     for (int i = 0; i < 20; ++i) {
@@ -320,7 +280,7 @@ TEST(a_drum_that_turns_keeps_its_grains_and_lifts_them)
     free(c);
 }
 
-static uint64_t grain_hash(const carried *c, uint32_t share, double skin, bool sleeps)
+static uint64_t grain_hash(const shape *c, uint32_t share, double skin, bool sleeps)
 {
     mover *m = grains_in(c, -2);
     m->def.plan.share = share;
@@ -334,7 +294,7 @@ static uint64_t grain_hash(const carried *c, uint32_t share, double skin, bool s
 
 TEST(any_share_and_any_skin_give_the_same_bits)
 {
-    carried *c = drum_of(1, 0.5, 24);
+    shape *c = drum_of(1, 0.5, 24);
     uint64_t expected = grain_hash(c, 0, 0, false);
     assert_int_equal(grain_hash(c, DUET_SHARE_ONE / 2, 0, false), expected);
     assert_int_equal(grain_hash(c, DUET_SHARE_ONE, 0.05, false), expected);
@@ -364,7 +324,7 @@ static bool sleeps(mover *m, uint32_t id)
 
 TEST(a_carrier_that_starts_wakes_what_sleeps_on_the_mesh)
 {
-    carried *c = floor_of(5, 3);
+    shape *c = floor_of(5, 3);
     mover *m = carrying(c);
     m->def.wants |= DUET_EFFECT_SLEEP;
     uint32_t id = mover_add(m, 1, 0, 0.1, 0.1, 0.1, 0.1);
@@ -391,7 +351,7 @@ static void aim(mover *m, double x)
 
 TEST(a_mesh_goes_to_its_carriers_targets)
 {
-    carried *c = floor_of(5, 3);
+    shape *c = floor_of(5, 3);
     mover *m = carrying(c);
     uint32_t id = mover_add(m, 1, 0, 0.1, 0.1, 0.1, 0.1);
     m->bodies[id].friction = 1;
@@ -408,7 +368,7 @@ TEST(a_mesh_goes_to_its_carriers_targets)
 // The floor comes up at 2 m/s under a body that floats.
 TEST(a_hit_has_the_speed_of_the_mesh)
 {
-    carried *c = floor_of(5, 3);
+    shape *c = floor_of(5, 3);
     mover *m = carrying(c);
     m->def.gravity[2] = 0;
     m->def.hit_speed = 0.5;
@@ -432,7 +392,7 @@ TEST(a_hit_has_the_speed_of_the_mesh)
 
 // ---------------------------------------------------------------- kept, asked
 
-static mover *turning(const carried *c, uint32_t steps)
+static mover *turning(const shape *c, uint32_t steps)
 {
     mover *m = grains_in(c, 1);
     m->def.wants |= DUET_EFFECT_SLEEP;
@@ -443,7 +403,7 @@ static mover *turning(const carried *c, uint32_t steps)
 
 TEST(a_saved_motion_and_a_recording_go_on_bit_for_bit)
 {
-    carried *c = drum_of(1, 0.5, 24);
+    shape *c = drum_of(1, 0.5, 24);
     mover *m = turning(c, 50), *other = turning(c, 3);
     ground_assert_saved(m, other);
     ground_assert_recorded(m);
@@ -459,7 +419,7 @@ TEST(a_saved_motion_and_a_recording_go_on_bit_for_bit)
 
 TEST(a_tree_has_the_mesh_where_it_is)
 {
-    carried *c = floor_of(2, 1);
+    shape *c = floor_of(2, 1);
     mover *m = carrying(c);
     const double turn = acos(-1.0) / 2; // in a second, about x: the floor is upright then
     m->bodies[0].angular_velocity[0] = (float)turn;
@@ -493,7 +453,7 @@ static void refuse(const mover *m, const char *says)
 
 TEST(carriers_that_no_mesh_can_have_are_refused)
 {
-    carried *c = floor_of(2, 1);
+    shape *c = floor_of(2, 1);
     mover *m = carrying(c);
     c->mesh.carrier = 2;
     refuse(m, "the mesh's carrier is body 1; expected one of 1 bodies");

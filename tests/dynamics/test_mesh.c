@@ -2,67 +2,14 @@
 // Bodies on a ground of triangles, against heights, boxes, closed forms and all triangles in
 // double.
 #include "support/ground.h"
+#include "support/shape.h"
 #include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_VERTICES = 30000, MOST_TRIANGLES = 30000 };
-
 // ---------------------------------------------------------------- meshes
-
-typedef struct shape {
-    duet_mesh mesh;
-    uint32_t n_vertices, n_triangles;
-    float vertices[3 * MOST_VERTICES];
-    uint32_t triangles[3 * MOST_TRIANGLES];
-} shape;
-
-static shape *shape_new(void)
-{
-    shape *s = calloc(1, sizeof *s);
-    s->mesh = (duet_mesh){.vertices = s->vertices, .triangles = s->triangles};
-    return s;
-}
-
-static uint32_t add_vertex(shape *s, double x, double y, double z)
-{
-    assert_true(s->n_vertices < MOST_VERTICES);
-    float *at = s->vertices + 3 * s->n_vertices;
-    at[0] = (float)x;
-    at[1] = (float)y;
-    at[2] = (float)z;
-    s->mesh.n_vertices = s->n_vertices + 1;
-    return s->n_vertices++;
-}
-
-static void add_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c)
-{
-    assert_true(s->n_triangles < MOST_TRIANGLES);
-    uint32_t *t = s->triangles + 3 * s->n_triangles;
-    t[0] = a;
-    t[1] = b;
-    t[2] = c;
-    s->mesh.n_triangles = ++s->n_triangles;
-}
-
-// The triangles of a grid of n x n heights f about 0, as a ground of heights divides its cells.
-static void add_grid(shape *s, uint32_t n, double spacing, double (*height)(double x, double y))
-{
-    double half = (n - 1) * spacing / 2;
-    uint32_t first = s->n_vertices;
-    for (uint32_t i = 0; i < n * n; ++i) {
-        double x = i % n * spacing - half, y = i / n * spacing - half;
-        add_vertex(s, x, y, height(x, y));
-    }
-    for (uint32_t j = 0; j + 1 < n; ++j)
-        for (uint32_t i = 0; i + 1 < n; ++i) {
-            uint32_t a = first + j * n + i;
-            add_triangle(s, a, a + 1, a + n + 1);
-            add_triangle(s, a, a + n + 1, a + n);
-        }
-}
 
 // Each triangle with corners of its own, in any order, from any corner on: as a file has them.
 static shape *loosened(const shape *s, rng *r)
@@ -70,21 +17,21 @@ static shape *loosened(const shape *s, rng *r)
     shape *loose = shape_new();
     loose->mesh.material = s->mesh.material;
     memcpy(loose->mesh.origin, s->mesh.origin, sizeof s->mesh.origin);
-    uint32_t *order = malloc(s->n_triangles * sizeof *order);
-    for (uint32_t i = 0; i < s->n_triangles; ++i)
+    uint32_t *order = malloc(s->mesh.n_triangles * sizeof *order);
+    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i)
         order[i] = i;
-    for (uint32_t i = s->n_triangles; i > 1; --i) {
+    for (uint32_t i = s->mesh.n_triangles; i > 1; --i) {
         uint32_t k = (uint32_t)rng_below(r, i), kept = order[k];
         order[k] = order[i - 1];
         order[i - 1] = kept;
     }
-    for (uint32_t i = 0; i < s->n_triangles; ++i) {
+    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
         uint32_t turn = (uint32_t)rng_below(r, 3), own[3];
         for (uint32_t k = 0; k < 3; ++k) {
             const float *v = s->vertices + 3 * s->triangles[3 * order[i] + (k + turn) % 3];
-            own[k] = add_vertex(loose, (double)v[0], (double)v[1], (double)v[2]);
+            own[k] = shape_vertex(loose, (double)v[0], (double)v[1], (double)v[2]);
         }
-        add_triangle(loose, own[0], own[1], own[2]);
+        shape_triangle(loose, own[0], own[1], own[2]);
     }
     free(order);
     return loose;
@@ -103,14 +50,14 @@ static mover *on_mesh(const shape *s)
 static void divide(shape *s, rng *r, uint32_t a, uint32_t b, uint32_t c, int depth)
 {
     if (depth == 0) {
-        add_triangle(s, a, b, c);
+        shape_triangle(s, a, b, c);
         return;
     }
     double u = rng_between(r, 0.2, 0.6), v = rng_between(r, 0.2, 0.9 - u), at[2];
     for (int k = 0; k < 2; ++k)
         at[k] = u * (double)s->vertices[3 * a + k] + v * (double)s->vertices[3 * b + k] +
                 (1 - u - v) * (double)s->vertices[3 * c + k];
-    uint32_t d = add_vertex(s, at[0], at[1], 0);
+    uint32_t d = shape_vertex(s, at[0], at[1], 0);
     divide(s, r, a, b, d, depth - 1);
     divide(s, r, b, c, d, depth - 1);
     divide(s, r, c, a, d, depth - 1);
@@ -119,11 +66,11 @@ static void divide(shape *s, rng *r, uint32_t a, uint32_t b, uint32_t c, int dep
 static shape *random_floor(rng *r, double half, uint32_t cells, int depth)
 {
     shape *s = shape_new();
-    add_grid(s, cells + 1, 2 * half / cells, ground_flat);
-    uint32_t n = s->n_triangles;
+    shape_grid(s, cells + 1, 2 * half / cells, ground_flat);
+    uint32_t n = s->mesh.n_triangles;
     uint32_t *old = malloc(3 * n * sizeof *old);
     memcpy(old, s->triangles, 3 * n * sizeof *old);
-    s->n_triangles = 0;
+    s->mesh.n_triangles = 0;
     for (uint32_t i = 0; i < n; ++i)
         divide(s, r, old[3 * i], old[3 * i + 1], old[3 * i + 2], depth);
     free(old);
@@ -181,7 +128,7 @@ static field *field_new(uint32_t n, double spacing, double (*height)(double x, d
     field *f = calloc(1, sizeof *f);
     double half = (n - 1) * spacing / 2;
     f->triangles = shape_new();
-    add_grid(f->triangles, n, spacing, height);
+    shape_grid(f->triangles, n, spacing, height);
     for (uint32_t i = 0; i < n * n; ++i)
         f->values[i] = f->triangles->vertices[3 * i + 2];
     f->heights = (duet_heights){.nx = n,
@@ -337,7 +284,7 @@ static vector corner_at(const shape *s, uint32_t triangle, int k)
 static double distance_to_mesh(const shape *s, vector p)
 {
     double least = INFINITY;
-    for (uint32_t i = 0; i < s->n_triangles; ++i) {
+    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
         const vector t[3] = {corner_at(s, i, 0), corner_at(s, i, 1), corner_at(s, i, 2)};
         least = fmin(least, triangle_distance(p, t));
     }
@@ -347,22 +294,22 @@ static double distance_to_mesh(const shape *s, vector p)
 // A star about a place: a ball whose places are pulled and pushed along its radii.
 static void add_star(shape *s, rng *r, vector at, double radius, uint32_t n)
 {
-    uint32_t first = s->n_vertices;
+    uint32_t first = s->mesh.n_vertices;
     for (uint32_t j = 0; j <= n; ++j)
         for (uint32_t i = 0; i < (j % n ? 2 * n : 1); ++i) {
             double up = acos(-1.0) * j / n, about = acos(-1.0) * i / n;
             double far = radius * rng_between(r, 0.7, 1.3);
-            add_vertex(s, at.x + far * sin(up) * cos(about), at.y + far * sin(up) * sin(about),
-                       at.z - far * cos(up));
+            shape_vertex(s, at.x + far * sin(up) * cos(about), at.y + far * sin(up) * sin(about),
+                         at.z - far * cos(up));
         }
     for (uint32_t i = 0; i < 2 * n; ++i) {
-        uint32_t next = (i + 1) % (2 * n), last = s->n_vertices - 1, row = first + 1;
-        add_triangle(s, first, row + next, row + i);
+        uint32_t next = (i + 1) % (2 * n), last = s->mesh.n_vertices - 1, row = first + 1;
+        shape_triangle(s, first, row + next, row + i);
         for (uint32_t j = 1; j + 1 < n; ++j, row += 2 * n) {
-            add_triangle(s, row + i, row + next, row + 2 * n + next);
-            add_triangle(s, row + i, row + 2 * n + next, row + 2 * n + i);
+            shape_triangle(s, row + i, row + next, row + 2 * n + next);
+            shape_triangle(s, row + i, row + 2 * n + next, row + 2 * n + i);
         }
-        add_triangle(s, row + i, row + next, last);
+        shape_triangle(s, row + i, row + next, last);
     }
 }
 
@@ -418,12 +365,12 @@ static void add_cuboid(shape *s, vector at, vector half)
     static const uint32_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
                                           {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
                                           {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    uint32_t first = s->n_vertices;
+    uint32_t first = s->mesh.n_vertices;
     for (int i = 0; i < 8; ++i)
-        add_vertex(s, at.x + (i & 1 ? half.x : -half.x), at.y + (i & 2 ? half.y : -half.y),
-                   at.z + (i & 4 ? half.z : -half.z));
+        shape_vertex(s, at.x + (i & 1 ? half.x : -half.x), at.y + (i & 2 ? half.y : -half.y),
+                     at.z + (i & 4 ? half.z : -half.z));
     for (int i = 0; i < 12; ++i)
-        add_triangle(s, first + faces[i][0], first + faces[i][1], first + faces[i][2]);
+        shape_triangle(s, first + faces[i][0], first + faces[i][1], first + faces[i][2]);
 }
 
 // Planks over the edges of a step, balls that roll against it and over its rim: a mesh holds, stops
@@ -498,7 +445,7 @@ TEST(a_hollow_holds_what_is_in_it)
     rng r = rng_seed(test_seed());
     shape *s = shape_new();
     add_cuboid(s, (vector){0, 0, 0}, (vector){3, 3, 3});
-    for (uint32_t i = 0; i < s->n_triangles; ++i) {
+    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
         uint32_t *t = s->triangles + 3 * i, kept = t[1];
         t[1] = t[2];
         t[2] = kept;
@@ -521,12 +468,12 @@ TEST(a_hollow_holds_what_is_in_it)
     free(s);
 }
 
-// Two plates, each a hundred times as heavy, fall on balls and press them into the floor, deeper than
-// their centres.
+// Two plates, each a hundred times as heavy, fall on balls and press them into the floor, deeper
+// than their centres.
 TEST(what_is_pressed_into_a_mesh_stays_on_it)
 {
     shape *s = shape_new();
-    add_grid(s, 9, 20, ground_flat);
+    shape_grid(s, 9, 20, ground_flat);
     mover *m = on_mesh(s);
     for (int i = 0; i < 9; ++i) {
         uint32_t id = mover_add(m, 0.3 * (i % 3 - 1) + 0.03, 0.3 * (i / 3 - 1), 0.05, 0, 0, 0);
@@ -549,7 +496,7 @@ TEST(what_is_pressed_into_a_mesh_stays_on_it)
 TEST(a_triangle_holds_on_one_side)
 {
     shape *s = shape_new();
-    add_grid(s, 9, 1, ground_flat);
+    shape_grid(s, 9, 1, ground_flat);
     mover *m = on_mesh(s);
     uint32_t above = ground_add(m, BALL, 1.2, 0.3), below = ground_add(m, SHARP, -1.2, 0.3);
     m->poses[below].centre[2] = -1;
@@ -624,7 +571,7 @@ TEST(a_recording_is_for_the_mesh_that_it_was_made_on)
 TEST(a_tree_takes_a_motion_with_its_mesh_and_without)
 {
     shape *s = shape_new();
-    add_grid(s, 3, 8, ground_flat);
+    shape_grid(s, 3, 8, ground_flat);
     s->mesh.origin[2] = -2;
     mover *m = on_mesh(s), *none = on_mesh(NULL);
     mover_add_cube(m, 0, 0, 3, 0.5);
@@ -656,7 +603,7 @@ TEST(a_tree_takes_a_motion_with_its_mesh_and_without)
 TEST(a_mesh_is_one_partner_and_may_have_a_material)
 {
     shape *s = shape_new();
-    add_grid(s, 9, 1, ground_flat);
+    shape_grid(s, 9, 1, ground_flat);
     s->mesh.material = 1;
     mover *m = on_mesh(s);
     m->def.wants |= DUET_EFFECT_EVENTS;
@@ -692,7 +639,7 @@ TEST(meshes_that_no_motion_can_have_are_refused_in_a_line)
 {
     shape *s = shape_new();
     field *f = field_new(3, 1, ground_flat);
-    add_grid(s, 3, 1, ground_flat);
+    shape_grid(s, 3, 1, ground_flat);
     mover *m = on_mesh(s);
     mover_add_cube(m, 0, 0, 1, 1);
     const duet_mesh right = s->mesh;
