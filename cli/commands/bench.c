@@ -175,6 +175,18 @@ static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan 
     return true;
 }
 
+// Keeps what was measured by the plan, which it frees, or why that failed (NULL: it did not).
+static bool keep_case(bench *b, const duet_scene_info *info, const duet_plan *plan, timed *t,
+                      const duet_error *failure, duet_error *err)
+{
+    bool ok = !failure || keep_failure(b, info, plan, failure, err);
+    if (!failure)
+        bench_add(b->results, info, plan, t, NULL);
+    timed_free(t);
+    progress_show(&b->shown, ++b->done);
+    return ok && interrupt_check(err);
+}
+
 static bool check_pairs(const timed *t, uint64_t *hash, const duet_scene_info *info,
                         const duet_plan *plan, duet_error *err)
 {
@@ -196,13 +208,7 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
     bool ok = duet_world_set_plan(world, plan, &failure) &&
               timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_INPUT_HOST, &failure) &&
               check_pairs(&t, hash, info, plan, &failure);
-    if (ok)
-        bench_add(b->results, info, plan, &t, NULL);
-    else
-        ok = keep_failure(b, info, plan, &failure, err);
-    timed_free(&t);
-    progress_show(&b->shown, ++b->done);
-    return ok && interrupt_check(err);
+    return keep_case(b, info, plan, &t, ok ? NULL : &failure, err);
 }
 
 static bool measure_plans(bench *b, const bench_scene *which, const duet_scene *scene,
@@ -386,13 +392,7 @@ static bool measure_launches(bench *b, task_launcher *l, const duet_scene_info *
     duet_error failure = {0};
     timed t = {0};
     bool ok = timed_task_run(&t, l, b->pair, plan, (uint32_t)b->args->repeat, &failure);
-    if (ok)
-        bench_add(b->results, info, plan, &t, NULL);
-    else
-        ok = keep_failure(b, info, plan, &failure, err);
-    timed_free(&t);
-    progress_show(&b->shown, ++b->done);
-    return ok && interrupt_check(err);
+    return keep_case(b, info, plan, &t, ok ? NULL : &failure, err);
 }
 
 // A scene has fewer objects than a task may have items.

@@ -167,7 +167,7 @@ static bool race_all(duet_device_pair *pair, task *t, core_watch *cores, rival *
 
 // ---------------------------------------------------------------- table
 
-// Of brute force's plans, that with the least median.
+// The plan of brute force's with the least median.
 static const rival *best_of_brute(const rival *rivals, uint32_t runs)
 {
     const rival *best = &rivals[0];

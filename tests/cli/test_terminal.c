@@ -145,8 +145,8 @@ TEST(a_single_rank_tells_that_it_was_stopped)
     text_free(&t.seen);
 }
 
-// Ranks are stopped once the first step was timed, however long that takes. Of a signal to all,
-// mpirun hears, too, and may end the ranks before they tell.
+// Ranks are stopped once the first step was timed, however long that takes. A signal to all
+// reaches mpirun, too, which may end the ranks before they tell.
 TEST(ctrl_c_shows_what_ranks_timed)
 {
     static const struct {

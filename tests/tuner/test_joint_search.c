@@ -70,7 +70,7 @@ static double least_time(const fake *f)
     return least;
 }
 
-// Of device B.
+// The config by which device B is the quickest.
 static uint32_t best_config(const fake *f)
 {
     uint32_t best = 0;
