@@ -34,6 +34,16 @@ __kernel void mark_awake(MARK_AWAKE_ARGS)
         levels[id] = (woken && levels[id] == LEVEL_AWAKE) || is_awake(&s, id) ? LEVEL_AWAKE : 0;
 }
 
+// The objects of a contact: instead of a ground that a body carries, that body.
+static inline uint2 link_of(const scene *s, uint i)
+{
+    uint2 link = s->links[i];
+//@ if CARRIED == 1 then
+    link.y = link.y >= s->n + AT_GROUND ? s->carrier : link.y;
+//@ end
+    return link;
+}
+
 static inline bool is_contact_listed(uint2 link, __global const volatile uint *levels, uint n)
 {
     return levels[link.x] == LEVEL_AWAKE || (link.y < n && levels[link.y] == LEVEL_AWAKE);
@@ -53,10 +63,7 @@ __kernel void spread_awake(SPREAD_AWAKE_ARGS)
     if (part >= n_parts)
         return;
     for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i) {
-        uint2 link = links[i];
-//@ if CARRIED == 1 then
-        link.y = link.y >= n + AT_GROUND ? carrier : link.y;
-//@ end
+        uint2 link = link_of(&s, i);
         if (!is_contact_listed(link, levels, n))
             continue;
         ++contacts;
@@ -79,6 +86,7 @@ __kernel void count_awake(COUNT_AWAKE_ARGS)
 
 __kernel void list_awake(LIST_AWAKE_ARGS)
 {
+    const scene s = {LIST_AWAKE_VALUES};
     uint part = get_global_id(0), first = part * PER_ITEM;
     if (part >= n_parts)
         return;
@@ -87,14 +95,9 @@ __kernel void list_awake(LIST_AWAKE_ARGS)
     for (uint id = first; id < min(first + PER_ITEM, n); ++id)
         if (levels[id] > 0)
             awake[body++] = id;
-    for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i) {
-        uint2 link = links[i];
-//@ if CARRIED == 1 then
-        link.y = link.y >= n + AT_GROUND ? carrier : link.y;
-//@ end
-        if (is_contact_listed(link, levels, n))
+    for (uint i = first; i < min(first + PER_ITEM, n_contacts); ++i)
+        if (is_contact_listed(link_of(&s, i), levels, n))
             awake_contacts[contact++] = i;
-    }
     if (part == n_parts - 1) {
         n_listed[LISTED_BODIES] = body;
         n_listed[LISTED_CONTACTS] = contact;

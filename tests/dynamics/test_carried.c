@@ -4,6 +4,7 @@
 #include "support/ground.h"
 #include "support/shape.h"
 #include "support/test.h"
+#include "support/trees.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -425,20 +426,12 @@ TEST(a_tree_has_the_mesh_where_it_is)
     m->bodies[0].angular_velocity[0] = (float)turn;
     set_velocity(m, 0, 0, 0.5, 1);
     mover_run(m, 60);
-    duet_tree_def def = duet_motion_tree_def(m->motion);
-    duet_ray_query_def rays = duet_default_ray_query_def();
     const duet_ray along = {.origin = {1, -6, 1}, .direction = {0, 1, 0}, .t_max = 20};
-    duet_ray_query_result found;
-    rays.tree = must(duet_tree_create(&def, ERR));
-    rays.normals = true;
-    must(duet_tree_set_motion(rays.tree, m->motion, ERR));
-    duet_ray_query *query = must(duet_ray_query_create(&rays, ERR));
-    must(duet_ray_query_run(query, &along, 1, &found, ERR));
+    duet_ray_query_result found =
+        cast_rays(open_ray_query(mover_tree(m), DUET_QUERY_CLOSEST, true), &along, 1);
     assert_int_equal(found.hits[0].id, m->n + 6);
     assert_close((double)found.hits[0].t, 6.5, 1e-3);
     assert_close((double)found.normals[0].normal[1], -1, 1e-3);
-    duet_ray_query_destroy(query);
-    duet_tree_destroy(rays.tree);
     mover_free(m);
     free(c);
 }

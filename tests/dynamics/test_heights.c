@@ -2,6 +2,7 @@
 // Bodies on a ground of heights, against closed forms, floors and all triangles in double.
 #include "support/ground.h"
 #include "support/test.h"
+#include "support/trees.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -376,15 +377,8 @@ TEST(a_recording_is_for_the_ground_that_it_was_made_on)
 
 static duet_ray_hit cast_down(duet_tree *tree, float x, float y)
 {
-    duet_ray_query_def def = duet_default_ray_query_def();
-    duet_ray_query_result found;
     const duet_ray down = {.origin = {x, y, 9}, .direction = {0, 0, -1}, .t_max = INFINITY};
-    def.tree = tree;
-    duet_ray_query *query = must(duet_ray_query_create(&def, ERR));
-    must(duet_ray_query_run(query, &down, 1, &found, ERR));
-    duet_ray_hit hit = found.hits[0];
-    duet_ray_query_destroy(query);
-    return hit;
+    return cast_rays(open_ray_query(tree, DUET_QUERY_CLOSEST, false), &down, 1).hits[0];
 }
 
 // The id of rays' hits is that of events.
@@ -398,16 +392,13 @@ TEST(a_tree_takes_a_motion_with_its_ground_and_without)
     mover_add_cube(none, 0, 0, 3, 0.5);
     mover_run(m, 1);
     mover_run(none, 1);
-    duet_tree_def def = duet_motion_tree_def(m->motion);
-    duet_tree *tree = must(duet_tree_create(&def, ERR));
-    must(duet_tree_set_motion(tree, m->motion, ERR));
+    duet_tree *tree = mover_tree(m);
     duet_ray_hit hit = cast_down(tree, 2, 1);
     assert_int_equal(hit.id, m->n + 6);
     assert_close((double)hit.t, 9 + 2 * tilt, 1e-6);
     assert_int_equal(cast_down(tree, 0, 0).id, 0);
     must(duet_tree_set_motion(tree, none->motion, ERR));
     assert_int_equal(cast_down(tree, 2, 1).id, DUET_NO_OBJECT);
-    duet_tree_destroy(tree);
     mover_free(m);
     mover_free(none);
     free(f);

@@ -4,6 +4,7 @@
 #include "support/ground.h"
 #include "support/shape.h"
 #include "support/test.h"
+#include "support/trees.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -305,10 +306,8 @@ static void add_star(shape *s, rng *r, vector at, double radius, uint32_t n)
     for (uint32_t i = 0; i < 2 * n; ++i) {
         uint32_t next = (i + 1) % (2 * n), last = s->mesh.n_vertices - 1, row = first + 1;
         shape_triangle(s, first, row + next, row + i);
-        for (uint32_t j = 1; j + 1 < n; ++j, row += 2 * n) {
-            shape_triangle(s, row + i, row + next, row + 2 * n + next);
-            shape_triangle(s, row + i, row + 2 * n + next, row + 2 * n + i);
-        }
+        for (uint32_t j = 1; j + 1 < n; ++j, row += 2 * n)
+            shape_quad(s, row + i, row + next, row + 2 * n + next, row + 2 * n + i);
         shape_triangle(s, row + i, row + next, last);
     }
 }
@@ -578,23 +577,15 @@ TEST(a_tree_takes_a_motion_with_its_mesh_and_without)
     mover_add_cube(none, 0, 0, 3, 0.5);
     mover_run(m, 1);
     mover_run(none, 1);
-    duet_tree_def def = duet_motion_tree_def(m->motion);
-    duet_tree *tree = must(duet_tree_create(&def, ERR));
-    must(duet_tree_set_motion(tree, m->motion, ERR));
-    duet_point_query_def points = duet_default_point_query_def();
-    duet_point_query_result found;
+    duet_tree *tree = mover_tree(m);
+    duet_point_query *query = open_point_query(tree, 2);
     const duet_point at = {{0, 0, 1}};
-    points.tree = tree;
-    points.nearest = 2;
-    duet_point_query *query = must(duet_point_query_create(&points, ERR));
-    must(duet_point_query_run(query, &at, 1, &found, ERR));
+    duet_point_query_result found = seek_points(query, &at, 1);
     assert_int_equal(found.hits[1].id, m->n + 6);
     assert_close((double)found.hits[1].distance, 3, 0);
     must(duet_tree_set_motion(tree, none->motion, ERR));
-    must(duet_point_query_run(query, &at, 1, &found, ERR));
+    found = seek_points(query, &at, 1);
     assert_int_equal(found.hits[1].id, DUET_NO_OBJECT);
-    duet_point_query_destroy(query);
-    duet_tree_destroy(tree);
     mover_free(m);
     mover_free(none);
     free(s);

@@ -199,6 +199,14 @@ void mover_add_card_house(mover *m, uint32_t levels)
     }
 }
 
+duet_tree *mover_tree(const mover *m)
+{
+    duet_tree_def def = duet_motion_tree_def(m->motion);
+    duet_tree *tree = kept(duet_tree_create(&def, ERR));
+    must(duet_tree_set_motion(tree, m->motion, ERR));
+    return tree;
+}
+
 double mover_total(mover *m)
 {
     duet_energy e = mover_energy(m);
