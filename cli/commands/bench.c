@@ -164,11 +164,11 @@ static duet_scene *load_scene(const bench_scene *s, bool quick, duet_error *err)
 
 // A plan that fails is a case that says so, and a line on stderr; other plans
 // are measured all the same.
-static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan *plan,
+static bool keep_failure(bench *b, const bench_subject *subject, const duet_plan *plan,
                          const duet_error *failure, duet_error *err)
 {
     if (failure->status == DUET_STATUS_INTERRUPTED ||
-        !bench_add(b->results, info, plan, NULL, failure))
+        !bench_add(b->results, subject, plan, NULL, failure))
         return error_copy(err, failure);
     ++b->failed;
     say_failed(failure);
@@ -176,12 +176,12 @@ static bool keep_failure(bench *b, const duet_scene_info *info, const duet_plan 
 }
 
 // Keeps what was measured by the plan, which it frees, or why that failed (NULL: it did not).
-static bool keep_case(bench *b, const duet_scene_info *info, const duet_plan *plan, timed *t,
+static bool keep_case(bench *b, const bench_subject *subject, const duet_plan *plan, timed *t,
                       const duet_error *failure, duet_error *err)
 {
-    bool ok = !failure || keep_failure(b, info, plan, failure, err);
+    bool ok = !failure || keep_failure(b, subject, plan, failure, err);
     if (!failure)
-        bench_add(b->results, info, plan, t, NULL);
+        bench_add(b->results, subject, plan, t, NULL);
     timed_free(t);
     progress_show(&b->shown, ++b->done);
     return ok && interrupt_check(err);
@@ -203,12 +203,13 @@ static bool measure(bench *b, duet_world *world, const duet_scene *scene, const 
                     uint64_t *hash, duet_error *err)
 {
     const duet_scene_info *info = duet_scene_get_info(scene);
+    const bench_subject subject = {info->name, info->dims, info->n};
     duet_error failure = {0};
     timed t = {0};
     bool ok = duet_world_set_plan(world, plan, &failure) &&
               timed_run(&t, world, scene, (uint32_t)b->args->repeat, TIMED_INPUT_HOST, &failure) &&
               check_pairs(&t, hash, info, plan, &failure);
-    return keep_case(b, info, plan, &t, ok ? NULL : &failure, err);
+    return keep_case(b, &subject, plan, &t, ok ? NULL : &failure, err);
 }
 
 static bool measure_plans(bench *b, const bench_scene *which, const duet_scene *scene,
@@ -386,34 +387,25 @@ static uint32_t task_plans(const duet_device_pair *pair, duet_plan plans[BENCH_P
     return list.n;
 }
 
-static bool measure_launches(bench *b, task_launcher *l, const duet_scene_info *info,
+static bool measure_launches(bench *b, task_launcher *l, const bench_subject *subject,
                              const duet_plan *plan, duet_error *err)
 {
     duet_error failure = {0};
     timed t = {0};
     bool ok = timed_task_run(&t, l, b->pair, plan, (uint32_t)b->args->repeat, &failure);
-    return keep_case(b, info, plan, &t, ok ? NULL : &failure, err);
-}
-
-// A scene has fewer objects than a task may have items.
-static void set_items(const cJSON *results, uint64_t items)
-{
-    cJSON *one;
-    cJSON_ArrayForEach(one, cJSON_GetObjectItem(results, "cases"))
-        cJSON_SetNumberValue(cJSON_GetObjectItem(one, "objects"), (double)items);
+    return keep_case(b, subject, plan, &t, ok ? NULL : &failure, err);
 }
 
 static bool measure_shares(bench *b, const task *t, task_launcher *l, duet_error *err)
 {
     duet_plan plans[BENCH_PLANS_MOST];
-    const duet_scene_info info = {.name = t->name};
+    const bench_subject subject = {.name = t->name, .objects = t->items};
     uint32_t n = task_plans(b->pair, plans);
     bool ok = true;
     b->shown = progress_begin("case", n);
     for (uint32_t i = 0; ok && i < n; ++i)
-        ok = measure_launches(b, l, &info, &plans[i], err);
+        ok = measure_launches(b, l, &subject, &plans[i], err);
     progress_end(&b->shown);
-    set_items(b->results, t->items);
     bench_compare(b->results, b->before);
     if (b->tells) {
         begin_block(b);

@@ -67,12 +67,12 @@ static void add_times(cJSON *o, const timed *t)
     }
 }
 
-cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *plan,
+cJSON *bench_add(cJSON *results, const bench_subject *subject, const duet_plan *plan,
                  const timed *t, const duet_error *failure)
 {
     cJSON *o = json_add_row(cJSON_GetObjectItem(results, "cases"));
-    json_add(o, STRING("scene", scene->name), NUMBER("dims", scene->dims),
-             NUMBER("objects", scene->n));
+    json_add(o, STRING("scene", subject->name), NUMBER("dims", subject->dims),
+             NUMBER("objects", subject->objects));
     json_add_plan(o, (double)plan->share / DUET_SHARE_ONE, duet_mode_name(plan->mode),
                   plan->variant_a, plan->variant_b);
     if (failure) {

@@ -12,8 +12,15 @@ enum { BENCH_SAMPLES_MOST = 512, BENCH_NAME = 512 };
 
 cJSON *bench_begin(const duet_device_pair *pair, bool quick);
 
+// A scene or a task that is measured.
+typedef struct bench_subject {
+    const char *name;
+    uint32_t dims;    // 0: it is a task
+    uint64_t objects; // or items of a task
+} bench_subject;
+
 // Adds what was measured by the plan, or why that failed; returns the case.
-cJSON *bench_add(cJSON *results, const duet_scene_info *scene, const duet_plan *plan,
+cJSON *bench_add(cJSON *results, const bench_subject *subject, const duet_plan *plan,
                  const timed *t, const duet_error *failure);
 
 #define BENCH_TYPE "duet bench"
