@@ -23,7 +23,7 @@ bool moving_is_left(const moving_domain *d, uint32_t owner, uint32_t other)
     return d->left.n > 0 && bsearch(&key, d->left.contacts, d->left.n, sizeof key, compare) != NULL;
 }
 
-// Of two ghosts, a contact that is not solved here; one that pushes nothing stays as it is. Rows
+// Notes a contact of two ghosts that is not solved here; one that pushes nothing stays as it is. Rows
 // ascend, as ids do.
 static void note_left(const moving *m, moving_domain *d, uint32_t row, left_list *now)
 {

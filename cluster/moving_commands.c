@@ -184,7 +184,7 @@ static void add_to_part(command_part *p, const command *c, uint32_t i, uint32_t 
         p->bodies[k] = c->new_bodies[i];
 }
 
-// Those of the list that are here, as own bodies or as ghosts.
+// Lists those bodies of the command that are here, as own bodies or as ghosts.
 static void list_part(const moving *m, const moving_domain *d, const command *c, command_part *p)
 {
     for (uint32_t i = 0; is_well(&p->err) && i < c->list.n; ++i) {
@@ -251,7 +251,7 @@ static void look_at(const moving_domain *d, const command *c, command_part *p)
         command_look(d->motion, &p->c, &p->err);
 }
 
-// Of all failures that is told which names the first body of the list. Collective.
+// Tells the failure that names the first body of the list. Collective.
 static bool agree_on_parts(const moving *m, command_part *parts, duet_error *own)
 {
     uint64_t mine = UINT64_MAX, first;
@@ -283,7 +283,7 @@ static bool check_parts(const moving *m, const command *c, const uint64_t *ids, 
 
 enum { MOST_FACTS = 32 };
 
-// What all ranks' bodies say.
+// Facts that any rank's bodies have.
 static effect_facts facts_of_all(const moving *m, effect_facts facts)
 {
     uint64_t having[MOST_FACTS];
@@ -344,7 +344,7 @@ static void act_on(moving *m, moving_domain *d, command_part *p, effect_facts fa
     moving_keep_base(m, d->motion);
 }
 
-// What never moves has numbers after all places.
+// Bodies that never move have numbers after all places.
 static void move_walls(moving *m, uint32_t n_new)
 {
     for (uint32_t k = 0; k < m->parts; ++k) {

@@ -21,7 +21,7 @@ given_command moving_give(moving *m, command *c, duet_error *own);
 bool moving_get_user_data(moving *m, duet_body_list list, const char *call, uint64_t **data,
                           uint32_t *n, duet_error *own);
 
-// Of all domains; the same on all ranks, apart from its pair and plan.
+// The def of all domains, the same on all ranks apart from its pair and plan.
 const duet_motion_def *moving_get_def(const moving *m);
 
 #endif

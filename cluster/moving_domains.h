@@ -52,7 +52,7 @@ typedef struct left_contact {
 
 typedef LIST_OF(left_contact, contacts) left_list;
 
-// What is known of a place, apart from the long rows of bodies; a wall is of no kind.
+// Facts of a place, apart from the long rows of bodies; a wall has none.
 enum { PLACE_OWN = 1 << 0, PLACE_MOVES = 1 << 1, PLACE_SENSOR = 1 << 2 };
 
 typedef struct moving_domain {
@@ -252,8 +252,8 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);
 
-// Of the step's contacts, takes away the colours of those of ghosts that are not solved here, and
-// finds when ghosts come.
+// Takes away the colours of the step's contacts of ghosts that are not solved here, and finds when
+// ghosts come.
 void moving_close(moving *m, duet_error *own);
 
 // Whether a contact of two ghosts was left at home.

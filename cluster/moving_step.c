@@ -440,7 +440,7 @@ static void end_commands(moving *m, duet_error *own)
         moving_keep_base(m, m->domains[k].motion);
 }
 
-// Where bodies touch after the flight is found among ghosts of where they are then.
+// Touches after the flight are found among ghosts at the places of that time.
 static bool fly(moving *m, duet_error *own)
 {
     each(m, domain_fly, own);

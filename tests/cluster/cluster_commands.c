@@ -40,7 +40,7 @@ static uint64_t hash_of(const void *bytes, size_t n)
 
 // ---------------------------------------------------------------- worlds
 
-// What the head and the def of a scene say, and which commands it takes.
+// The head and the def of a scene, and which commands it takes.
 typedef struct world {
     const char *name, *def;
     double at[3]; // where it lies
@@ -93,7 +93,7 @@ static void write_scene(const world *w)
 
 // ---------------------------------------------------------------- who is commanded
 
-// One motion, or a cluster's. Of a cluster only rank 0 has arguments.
+// One motion, or a cluster's, in which only rank 0 has arguments.
 typedef struct target {
     duet_motion *motion;
     duet_cluster *cluster;
@@ -178,7 +178,7 @@ static bool obey(const target *t, verb what, const order *o, uint64_t *came, due
 
 // ---------------------------------------------------------------- a play
 
-// What came of each step, with all that was said since the last one.
+// Results of each step, with all that was said since the last one.
 typedef struct scene_step {
     uint64_t state, refusals, told, user_data;
 } scene_step;

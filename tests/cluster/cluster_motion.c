@@ -744,7 +744,7 @@ static closure closure_of(const field *f, uint32_t every, ghost_colours *colours
     return c;
 }
 
-// Returns how often ghosts come. Those that are wrong and do not come are wrong without bounds.
+// Returns how often ghosts come. Ghosts that are wrong and do not come are wrong without bounds.
 static uint32_t must_sweep_alike(const field *f, const closure *c, rng *r)
 {
     uint64_t at_home[FIELD], here[FIELD], impulses[FIELD_CONTACTS], own[FIELD_CONTACTS];
