@@ -133,26 +133,9 @@ static bool give(duet_cluster *c, command *k, duet_error *err)
     {                                                                              \
         return give(c, &(command){.op = command_op_at(number), __VA_ARGS__}, err); \
     }
-#define CALL_LIST(number, name, type, given)                                        \
-    bool duet_cluster_##name(duet_cluster *c, duet_body_list list, duet_error *err) \
-        GIVE(number, .list = list)
-#define CALL_ROWS(number, name, type, given)                                          \
-    bool duet_cluster_##name(duet_cluster *c, duet_body_list list, const type *given, \
-                             duet_error *err) GIVE(number, .list = list, .rows = given)
-#define CALL_FIELDS(number, name, type, given)                                   \
-    bool duet_cluster_##name(duet_cluster *c, duet_body_list list, uint32_t set, \
-                             const type *given, duet_error *err)                 \
-        GIVE(number, .list = list, .fields = set, .rows = given)
-#define CALL_ADD(number, name, type, given)                                             \
-    bool duet_cluster_##name(duet_cluster *c, const type *given, const duet_body *come, \
-                             uint32_t n_come, uint64_t *named, duet_error *err)         \
-        GIVE(number, .list.n = n_come, .rows = given, .new_bodies = come, .new_ids = named)
-#define CALL_DEF(number, name, type, given)                                       \
-    bool duet_cluster_##name(duet_cluster *c, const type *given, duet_error *err) \
-        GIVE(number, .list.n = 1, .rows = given)
-#define COMMAND(number, name, form, bodies, effect, type, rows) \
-    CALL_##form(number, name, type, rows)
-#include "runtime/commands/commands.inl"
+#define CALL(name) duet_cluster_##name
+#define SUBJECT duet_cluster *c
+#include "runtime/commands/command_calls.inl"
 
 const duet_motion_def *duet_cluster_get_motion_def(const duet_cluster *c)
 {
