@@ -9,7 +9,6 @@
 #include "runtime/narrowphase/mesh.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static arg_real4 real4_of(bool doubles, double x, double y, double z, double w)
 {
@@ -24,38 +23,22 @@ static arg_real4 origin_of(bool doubles, const double at[3])
 
 // ---------------------------------------------------------------- copies
 
-// A copy of an array; NULL without memory.
-static void *copy_of(const void *from, size_t bytes, duet_error *err)
-{
-    void *to = malloc(bytes);
-    if (!to)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes", bytes);
-    else
-        memcpy(to, from, bytes);
-    return to;
-}
-
 static bool copy_heights(motion_ground *ground, const duet_motion_def *def, duet_error *err)
 {
-    duet_heights h = *def->heights;
-    h.heights = copy_of(h.heights, heights_bytes(&h), err);
-    ground->heights = h;
-    ground->origin = origin_of(def->doubles, h.origin);
-    ground->spacing =
-        real4_of(def->doubles, h.spacing[0], h.spacing[1], 1.0 / h.spacing[0], 1.0 / h.spacing[1]);
-    ground->size = (cl_int4){{(cl_int)h.nx, (cl_int)h.ny}};
-    return h.heights;
+    const duet_heights *h = def->heights;
+    ground->origin = origin_of(def->doubles, h->origin);
+    ground->spacing = real4_of(def->doubles, h->spacing[0], h->spacing[1], 1.0 / h->spacing[0],
+                               1.0 / h->spacing[1]);
+    ground->size = (cl_int4){{(cl_int)h->nx, (cl_int)h->ny}};
+    return heights_copy(&ground->heights, h, err);
 }
 
 static bool copy_mesh(motion_ground *ground, const duet_motion_def *def, duet_error *err)
 {
-    duet_mesh m = *def->mesh;
-    m.vertices = copy_of(m.vertices, mesh_vertex_bytes(&m), err);
-    m.triangles = copy_of(m.triangles, mesh_triangle_bytes(&m), err);
-    ground->mesh = m;
-    ground->carrier = m.carrier > 0 ? m.carrier - 1 : 0;
-    ground->origin = origin_of(def->doubles, m.origin);
-    return m.vertices && m.triangles;
+    const duet_mesh *m = def->mesh;
+    ground->carrier = m->carrier > 0 ? m->carrier - 1 : 0;
+    ground->origin = origin_of(def->doubles, m->origin);
+    return mesh_copy(&ground->mesh, m, err);
 }
 
 bool ground_copy(motion_ground *ground, duet_motion_def *def, duet_error *err)

@@ -7,42 +7,30 @@
 #include "runtime/narrowphase/mesh_meet.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-static void *copy_of(const void *from, size_t bytes)
+static bool copy_heights(ground_shape *ground, const duet_heights *h, duet_error *err)
 {
-    void *to = malloc(bytes);
-    return to ? memcpy(to, from, bytes) : NULL;
+    return heights_check_places(h, err) && heights_copy(&ground->heights, h, err);
 }
 
-static bool copy_heights(ground_shape *ground, const duet_heights *h)
+static bool copy_mesh(ground_shape *ground, const duet_mesh *m, duet_error *err)
 {
-    ground->heights = *h;
-    ground->heights.heights = copy_of(h->heights, heights_bytes(h));
-    return ground->heights.heights;
-}
-
-static bool copy_mesh(ground_shape *ground, const duet_mesh *m)
-{
-    ground->mesh = *m;
-    ground->mesh.vertices = copy_of(m->vertices, mesh_vertex_bytes(m));
-    ground->mesh.triangles = copy_of(m->triangles, mesh_triangle_bytes(m));
+    if (!mesh_check_places(m, err) || !mesh_copy(&ground->mesh, m, err))
+        return false;
     ground->tree = mesh_tree_make(m);
-    return ground->mesh.vertices && ground->mesh.triangles && ground->tree;
+    return ground->tree || error_set(err, DUET_STATUS_NO_MEMORY,
+                                     "no memory for a ground of %u triangles", m->n_triangles);
 }
 
 bool ground_shape_copy(ground_shape *ground, const duet_heights *heights, const duet_mesh *mesh,
                        duet_error *err)
 {
     *ground = (ground_shape){0};
-    if ((heights && !heights_check_places(heights, err)) || (mesh && !mesh_check_places(mesh, err)))
-        return false;
-    if ((!heights || copy_heights(ground, heights)) && (!mesh || copy_mesh(ground, mesh)))
-        return true;
-    ground_shape_free(ground);
-    return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes",
-                     mesh ? mesh_vertex_bytes(mesh) + mesh_triangle_bytes(mesh)
-                          : heights_bytes(heights));
+    bool ok =
+        (!heights || copy_heights(ground, heights, err)) && (!mesh || copy_mesh(ground, mesh, err));
+    if (!ok)
+        ground_shape_free(ground);
+    return ok;
 }
 
 void ground_shape_free(ground_shape *ground)

@@ -4,6 +4,8 @@
 #include "base/error.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 // ---------------------------------------------------------------- checks
 
@@ -60,6 +62,17 @@ bool heights_check_places(const duet_heights *h, duet_error *err)
 size_t heights_bytes(const duet_heights *h)
 {
     return (size_t)h->nx * h->ny * sizeof *h->heights;
+}
+
+bool heights_copy(duet_heights *to, const duet_heights *h, duet_error *err)
+{
+    const size_t bytes = heights_bytes(h);
+    float *values = malloc(bytes);
+    if (!values)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes", bytes);
+    *to = *h;
+    to->heights = memcpy(values, h->heights, bytes);
+    return true;
 }
 
 void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3])

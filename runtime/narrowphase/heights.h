@@ -18,6 +18,9 @@ bool heights_check_places(const duet_heights *h, duet_error *err);
 // Bytes of the heights.
 size_t heights_bytes(const duet_heights *h);
 
+// Copies a ground, with heights of its own, which are the caller's to free.
+bool heights_copy(duet_heights *to, const duet_heights *h, duet_error *err);
+
 void heights_place(const duet_heights *h, uint32_t i, uint32_t j, double at[3]);
 
 ground_piece heights_piece(const duet_heights *h, uint32_t i, uint32_t j, bool upper);

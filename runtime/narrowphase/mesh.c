@@ -148,6 +148,23 @@ void mesh_place(const duet_mesh *m, uint32_t triangle, uint32_t corner, double a
     mesh_place_vertex(m, m->triangles[3 * (size_t)triangle + corner], at);
 }
 
+bool mesh_copy(duet_mesh *to, const duet_mesh *mesh, duet_error *err)
+{
+    const size_t vertex_bytes = mesh_vertex_bytes(mesh), triangle_bytes = mesh_triangle_bytes(mesh);
+    float *vertices = malloc(vertex_bytes);
+    uint32_t *triangles = malloc(triangle_bytes);
+    if (!vertices || !triangles) {
+        free(vertices);
+        free(triangles);
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes",
+                         vertex_bytes + triangle_bytes);
+    }
+    *to = *mesh;
+    to->vertices = memcpy(vertices, mesh->vertices, vertex_bytes);
+    to->triangles = memcpy(triangles, mesh->triangles, triangle_bytes);
+    return true;
+}
+
 bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier, duet_error *err)
 {
     const double *q = carrier->rotation;

@@ -23,6 +23,9 @@ bool mesh_check_places(const duet_mesh *mesh, duet_error *err);
 // Sets the outward normal of a triangle, of length 1.
 void mesh_set_normal(const float a[3], const float b[3], const float c[3], double normal[3]);
 
+// Copies a mesh, with vertices and triangles of its own, which are the caller's to free.
+bool mesh_copy(duet_mesh *to, const duet_mesh *mesh, duet_error *err);
+
 // A carried mesh where its carrier is: vertices of its own, which are the caller's to free, and the
 // same triangles.
 bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier, duet_error *err);
