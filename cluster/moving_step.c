@@ -239,16 +239,10 @@ static void solve(moving *m, solve_pass pass, duet_error *own)
         solve_in_order(m, pass, own);
 }
 
-static bool has_shocks(const moving *m)
-{
-    const duet_motion *motion = m->domains[0].motion;
-    return (motion->effects & DUET_EFFECT_SHOCKS) && (motion->facts & FACT_ELASTIC);
-}
-
 // Sweeps go on while something bounced in any domain.
 static bool solve_shocks(moving *m, duet_error *own)
 {
-    tally t = {.sums = {has_shocks(m)}};
+    tally t = {.sums = {motion_has_shocks(m->domains[0].motion)}};
     for (int i = 0; t.sums[0] > 0 && i < SHOCK_SWEEPS; ++i) {
         solve(m, SOLVE_SHOCKS, own);
         t = (tally){0};
@@ -278,10 +272,11 @@ static bool substep(moving *m, duet_error *own)
 // Shocks have given back all speed.
 static bool run_substeps(moving *m, duet_error *own)
 {
+    const duet_motion *motion = m->domains[0].motion;
     bool ok = true;
-    for (uint32_t i = 0; ok && i < m->domains[0].motion->def.substeps; ++i)
+    for (uint32_t i = 0; ok && i < motion->def.substeps; ++i)
         ok = substep(m, own);
-    if (ok && (m->domains[0].motion->facts & FACT_ELASTIC) && !has_shocks(m))
+    if (ok && (motion->facts & FACT_ELASTIC) && !motion_has_shocks(motion))
         solve(m, SOLVE_RESTORE, own);
     return ok;
 }

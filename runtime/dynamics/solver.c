@@ -102,12 +102,17 @@ static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
     return for_colours(m, m->kernels.solve_contacts, err);
 }
 
+bool motion_has_shocks(const duet_motion *m)
+{
+    return (m->effects & DUET_EFFECT_SHOCKS) && (m->facts & FACT_ELASTIC);
+}
+
 // The first sweep looks at all contacts, and the others go on while something bounced.
 static bool solve_shocks(duet_motion *m, duet_error *err)
 {
     contact_solver *s = &m->solver;
     bool ok = true;
-    if (!(m->effects & DUET_EFFECT_SHOCKS) || !(m->facts & FACT_ELASTIC))
+    if (!motion_has_shocks(m))
         return true;
     s->first_sweep = s->sweep;
     for (int i = 0; ok && i < SHOCK_SWEEPS; ++i, ++s->sweep)
@@ -180,7 +185,7 @@ static bool run_substeps(duet_motion *m, duet_error *err)
 // Shocks have given back all speed.
 static bool restore_speeds(duet_motion *m, duet_error *err)
 {
-    return !(m->facts & FACT_ELASTIC) || (m->effects & DUET_EFFECT_SHOCKS) ||
+    return !(m->facts & FACT_ELASTIC) || motion_has_shocks(m) ||
            for_colours(m, m->kernels.apply_restitution, err);
 }
 

@@ -45,6 +45,9 @@ bool motion_make_colours(duet_motion *m, duet_error *err);
 // With contact response: the substeps, of bodies and colours that are right; then what they leave
 // goes to the objects.
 bool motion_solve(duet_motion *m, duet_error *err);
+
+// Whether something elastic passes impacts on; the speeds that contacts return then need no more.
+bool motion_has_shocks(const duet_motion *m);
 bool motion_finalize(duet_motion *m, duet_error *err);
 
 #endif
