@@ -68,7 +68,7 @@ static void need(search *s, uint32_t ghost)
 
 static bool is_needed(const search *s, const border_contact *one)
 {
-    bool needed = one->is_own;
+    bool needed = one->is_solved;
     for (int k = 0; k < 2; ++k)
         needed = needed || (one->ghosts[k] != CLOSURE_NONE && s->is_needed[one->ghosts[k]]);
     return needed;
@@ -92,8 +92,7 @@ static void take(search *s, uint32_t colour)
 static void take_in_order(search *s)
 {
     for (uint64_t i = s->first[CLOSURE_COLOURS]; i < s->first[CLOSURE_COLOURS + 1]; ++i) {
-        border_contact *one = &s->c->contacts[s->by_colour[i]];
-        one->is_solved = one->is_own;
+        const border_contact *one = &s->c->contacts[s->by_colour[i]];
         for (int k = 0; one->is_solved && k < 2; ++k)
             if (one->ghosts[k] != CLOSURE_NONE)
                 s->c->ghosts[one->ghosts[k]].here |= 1u << CLOSURE_COLOURS;

@@ -32,8 +32,7 @@ typedef struct border_contact {
     uint32_t ghosts[2]; // CLOSURE_NONE: this end is the domain's own, or never moves
     uint32_t colour;    // CLOSURE_COLOURS: solved in order, after all colours
     uint32_t row;       // the caller's
-    bool is_own;        // has an own end, so that it is solved
-    bool is_solved;     // found
+    bool is_solved;     // as it has an own end; and found of the others
 } border_contact;
 
 typedef struct closure {

@@ -48,7 +48,7 @@ static void list_border(const moving_domain *d, border_list *border)
         const border_contact one = {.ghosts = {ghost_of(d, ends[0]), ghost_of(d, ends[1])},
                                     .colour = d->solved.colours[row],
                                     .row = row,
-                                    .is_own = moving_decides_contact(d, ends)};
+                                    .is_solved = moving_decides_contact(d, ends)};
         if (one.colour <= COLOUR_OVERFLOW)
             list_add(&border->list, &one, 1, sizeof one);
     }

@@ -739,7 +739,7 @@ static closure closure_of(const field *f, uint32_t every, ghost_colours *colours
                 .ghosts = {a < f->n_own ? CLOSURE_NONE : a - f->n_own, b - f->n_own},
                 .colour = f->colours[i],
                 .row = i,
-                .is_own = a < f->n_own};
+                .is_solved = a < f->n_own};
     }
     return c;
 }
