@@ -12,7 +12,7 @@ const command_op *command_op_at(uint32_t number);
 // BAD_OBJECT nothing has changed.
 bool command_give(duet_motion *m, command *c, duet_error *err);
 
-// Of it, for a motion over ranks: whether a command has the rows that it needs; and whether a
+// Parts of it, for a motion over ranks: whether a command has the rows that it needs; and whether a
 // motion has the effect that it needs, and finds nothing wrong with it once its places are known.
 bool command_check_given(const command *c, duet_error *err);
 bool command_look(duet_motion *m, command *c, duet_error *err);

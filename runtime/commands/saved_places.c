@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a saved motion has of each place: its body, and the state that commands left.
+// Each place of a saved motion: its body, and the state that commands left.
 #include "runtime/commands/saved_motion.h"
 
 #include "base/error.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What commands left of a domain's bodies, which goes where the bodies go.
+// The state that commands left of a domain's bodies, which goes where the bodies go.
 #include "runtime/dynamics/domain_commands.h"
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"

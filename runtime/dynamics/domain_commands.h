@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What commands left of a domain's bodies, as the end of each body's state.
+// The state that commands left of a domain's bodies, as the end of each body's state.
 #ifndef RUNTIME_DOMAIN_COMMANDS_H
 #define RUNTIME_DOMAIN_COMMANDS_H
 

@@ -8,7 +8,7 @@
 
 static const char stage[] = "domain";
 
-// What is moved: parts of n rows of a buffer, each of so many words.
+// Parts of n rows of a buffer, each of so many words, that are moved.
 typedef struct some_rows {
     motion_buffer which;
     uint32_t words;
