@@ -81,6 +81,11 @@ bool cluster_list_pairs(duet_cluster *c, duet_error *err);
 bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *settings,
                         uint32_t n_settings, duet_scene **whole, duet_error *err);
 
+// Writes the objective of a profile that says how often ghosts come on so many ranks, domains and
+// hosts. Collective.
+enum { CLUSTER_OBJECTIVE = 96 };
+void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE]);
+
 // ---------------------------------------------------------------- of its own files
 
 // Returns how many workers take turns: one is filled while the other searches.

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
-// How the ranks' workers search: their plan, their level, and what the store knows of both.
+// How the ranks' workers search: their plan, their level, and what the store knows of both; and of
+// bodies that move, how often ghosts come.
 #include "cluster/cluster.h"
 
 #include "base/error.h"
+#include "cluster/moving.h"
+#include "runtime/dynamics/motion.h"
+#include "runtime/selection/choose_profile.h"
+
+#include <stdio.h>
 
 enum { WEIGHINGS = 2 }; // the time of a step is no straight line
 
@@ -102,6 +108,48 @@ static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
     return true;
 }
 
+// ---------------------------------------------------------------- bodies that move
+
+void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE])
+{
+    uint64_t hosts = c->ranks.self_on_host == 0;
+    ranks_sum(&c->ranks, &hosts, 1);
+    snprintf(objective, CLUSTER_OBJECTIVE, "time over %d ranks of %u on %u hosts", c->ranks.n,
+             c->def.parts, (unsigned)hosts);
+}
+
+// What rank 0 found, for all.
+typedef struct ghost_choice {
+    duet_profile profile;
+    uint32_t every; // colours after which ghosts come; 0: the store knows nothing
+} ghost_choice;
+
+static void choose_ghosts(const duet_cluster *c, const char *objective, const char *path,
+                          ghost_choice *choice, duet_error *err)
+{
+    const duet_motion *part = moving_get_motion(c->moving, 0);
+    motion_plan plan;
+    if (part->n > 0 && choose_over_ranks(part, objective, path, &choice->profile, err) &&
+        choice->profile.grade != DUET_GRADE_DEFAULT &&
+        motion_plan_read(&plan, &choice->profile.plan, &part->device->info, err))
+        choice->every = plan.colours;
+}
+
+static bool load_motion_profile(duet_cluster *c, const char *path, duet_profile *profile,
+                                duet_error *store_failed, duet_error *own)
+{
+    char objective[CLUSTER_OBJECTIVE];
+    ghost_choice choice = {.profile = {.grade = DUET_GRADE_DEFAULT}};
+    cluster_objective(c, objective);
+    if (c->ranks.self == 0)
+        choose_ghosts(c, objective, path, &choice, store_failed);
+    ranks_broadcast(&c->ranks, &choice, sizeof choice);
+    *profile = choice.profile;
+    return choice.every == 0 || moving_set_every(c->moving, choice.every, own);
+}
+
+// ---------------------------------------------------------------- what the store knows
+
 bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *profile,
                                duet_error *store_failed, duet_error *err)
 {
@@ -111,7 +159,10 @@ bool duet_cluster_load_profile(duet_cluster *c, const char *path, duet_profile *
     duet_error own = {0};
     if (store_failed)
         *store_failed = own;
-    error_given(profile, __func__, "profile", &own);
+    bool ok = error_given(profile, __func__, "profile", &own);
+    if (c->moving)
+        return cluster_agree_on(c, __func__, ok, &own, err) &&
+               (load_motion_profile(c, path, profile, store_failed, &own) || error_copy(err, &own));
     if (!cluster_settle_all(c, __func__, &own, err))
         return false;
     load_profiles(c, path, profile, store_failed);

@@ -86,8 +86,10 @@ DUET_API void *duet_cluster_map_owned(duet_cluster *cluster, duet_object_kind ki
 DUET_API bool duet_cluster_set_plan(duet_cluster *cluster, const duet_plan *plan, duet_error *err);
 // Gives each rank the best plan known for its devices and its number of objects; profile is this
 // rank's. If weights are 0 and the time of a step is known for all ranks, each rank gets objects in
-// proportion to its speed. path is duet_world_load_profile's. A store that cannot be read is no
-// failure: the plan stays, and store_failed, which may be NULL, says why on that rank.
+// proportion to its speed. If the cluster has a motion, profile is rank 0's on all ranks: the
+// colours after which ghosts come, as `duet cluster --tune-colours` found them on as many ranks,
+// parts and hosts. path is duet_world_load_profile's. A store that cannot be read is no failure:
+// the plan stays, and store_failed, which may be NULL, says why on that rank.
 DUET_API bool duet_cluster_load_profile(duet_cluster *cluster, const char *path,
                                         duet_profile *profile, duet_error *store_failed,
                                         duet_error *err);

@@ -48,6 +48,11 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own);
 void moving_end(moving *m);
 
 bool moving_step(moving *m, duet_error *own);
+
+// The colours after which ghosts come at the latest; from the next step on so many, which changes
+// no bit of it.
+uint32_t moving_get_every(const moving *m);
+bool moving_set_every(moving *m, uint32_t every, duet_error *own);
 bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
 
 // Rank 0 writes all of it into one file, for which it needs memory for all bodies.

@@ -23,8 +23,8 @@ bool moving_is_left(const moving_domain *d, uint32_t owner, uint32_t other)
     return d->left.n > 0 && bsearch(&key, d->left.contacts, d->left.n, sizeof key, compare) != NULL;
 }
 
-// Notes a contact of two ghosts that is not solved here; one that pushes nothing stays as it is. Rows
-// ascend, as ids do.
+// Notes a contact of two ghosts that is not solved here; one that pushes nothing stays as it is.
+// Rows ascend, as ids do.
 static void note_left(const moving *m, moving_domain *d, uint32_t row, left_list *now)
 {
     const uint32_t *ends = d->solved.links[row].s;
@@ -102,6 +102,19 @@ static void close_all(moving *m, const border_list *border, const uint64_t *firs
     for (uint32_t k = 0; ok && m->every > 1 && k < m->parts; ++k)
         leave_contacts(m, &m->domains[k], border->contacts + first[k], first[k + 1] - first[k],
                        own);
+}
+
+uint32_t moving_get_every(const moving *m)
+{
+    return m->every;
+}
+
+// Ghosts lie deeper for more colours, and contacts of two of them are as at home after an exchange.
+bool moving_set_every(moving *m, uint32_t every, duet_error *own)
+{
+    bool is_new = m->every != every;
+    m->every = every;
+    return !is_new || m->n_domains == 1 || moving_settle(m, own);
 }
 
 void moving_close(moving *m, duet_error *own)

@@ -197,7 +197,7 @@ api.names = {
   { "duet.Cluster:set_level", { "level: string" }, "true", "Of accuracy, on all ranks.", fails = true,
     c = "duet_cluster_set_level" },
   { "duet.Cluster:load_profile", { "path?: string" }, "duet.Profile, string?",
-    "Gives each rank the best plan that a store knows, and as many objects as suit its speed; also why the store could not be read.",
+    "Gives each rank the best plan that a store knows, and as many objects as suit its speed; or a motion how often ghosts come. Also why the store could not be read.",
     fails = true, c = "duet_cluster_load_profile" },
   { "duet.Cluster:step", {}, "duet.ClusterResult", "Finds all pairs.", fails = true, c = "duet_cluster_step" },
   { "duet.Cluster:own_pairs", {}, "duet.Pairs64",

@@ -292,6 +292,31 @@ bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_
     return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
 }
 
+bool record_raced(record *r, const duet_plan *plan, const race *ran, uint32_t winner,
+                  uint32_t other, duet_error *err)
+{
+    profile_session session = session_of(r, "race");
+    if (!profile_session_begin(r->store, &session, r->session, err))
+        return false;
+    const double *times = ran->rivals[winner].ns;
+    const uint32_t n = ran->rivals[winner].rounds;
+    const stats_interval in = stats_median_interval(times, n, ran->options.confidence);
+    const race_gain gain =
+        winner == other ? race_no_gain(RACE_SAME) : race_compare(ran, winner, other);
+    profile_row row = row_of(r, plan, "measured");
+    row.median_ns = race_median(ran, winner);
+    row.low_ns = in.low;
+    row.high_ns = in.high;
+    row.gain = gain.ratio - 1;
+    row.gain_low = gain.interval.low - 1;
+    row.gain_high = gain.interval.high - 1;
+    row.verdict = race_verdict_name(gain.verdict);
+    row.rounds = n;
+    row.true_pairs = row.trial_number = -1;
+    bool ok = profile_put(r->store, &row, NULL, "replaced by a later tuning", NULL, err);
+    return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
+}
+
 // The gain of sharing was not measured again: it is taken from the profile before, if there is one.
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err)
 {

@@ -6,6 +6,7 @@
 #include "profiles/level_cost.h"
 #include "profiles/lookup.h"
 #include "profiles/profile.h"
+#include "tuner/race.h"
 #include "tuner/tune.h"
 
 typedef struct record {
@@ -45,6 +46,10 @@ tune_recorder record_recorder(record *r);
 // outcome says where.
 bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_outcome *outcome,
                 duet_error *err);
+
+// Keeps the plan of the winner of a race, whose gain is over `other`, as a session of its own.
+bool record_raced(record *r, const duet_plan *plan, const race *ran, uint32_t winner,
+                  uint32_t other, duet_error *err);
 
 // Keeps a plan that was found while an application ran.
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err);

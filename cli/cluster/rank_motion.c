@@ -2,6 +2,7 @@
 #include "cli/cluster/rank_motion.h"
 
 #include "cli/cluster/rank_frames.h"
+#include "cli/cluster/rank_tune.h"
 
 #include "base/budget.h"
 #include "base/error.h"
@@ -21,6 +22,8 @@ typedef struct moved {
     const cluster_arguments *args;
     const char *scene;
     rank_frames frames;
+    rank_tune tune;
+    duet_grade grade; // of what the store knows of the ranks
     duet_cluster_motion_result last;
     double all_ms;
     double slowest_ms, mean_ms; // that ranks were busy, in all steps
@@ -54,6 +57,24 @@ static bool take_begin(moved *r, const char *resume, duet_error *err)
                      counts.step);
 }
 
+// A given plan is kept, as in duet run, and so are the ghosts of a tuning.
+static bool choose_ghosts(moved *r, duet_error *err)
+{
+    duet_profile profile;
+    duet_error failure = {0};
+    r->grade = DUET_GRADE_DEFAULT;
+    if (r->args->tune_colours)
+        return rank_tune_begin(&r->tune, r->cluster, r->args->steps - r->last.step, err);
+    if (inputs_plan_given(&r->args->plan))
+        return true;
+    if (!duet_cluster_load_profile(r->cluster, NULL, &profile, &failure, err))
+        return false;
+    if (failure.status != DUET_STATUS_OK)
+        say_failed(&failure);
+    r->grade = profile.grade;
+    return true;
+}
+
 static bool begin(moved *r, duet_error *err)
 {
     scene_settings settings;
@@ -61,7 +82,7 @@ static bool begin(moved *r, duet_error *err)
     bool ok = inputs_make_settings(&settings, &r->args->scene, err);
     ok = ranks_agree(&r->cluster->ranks, ok, err) &&
          duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume, err) &&
-         take_begin(r, resume, err);
+         take_begin(r, resume, err) && choose_ghosts(r, err);
     inputs_free_settings(&settings);
     return ok;
 }
@@ -91,7 +112,8 @@ static bool run_steps(moved *r, duet_error *err)
     progress p = progress_begin("step", r->args->steps);
     ok = rank_frames_add(&r->frames, r->last.step, err);
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
-        ok = duet_cluster_advance(r->cluster, &r->last, err);
+        ok = rank_tune_before(&r->tune, err) && duet_cluster_advance(r->cluster, &r->last, err);
+        rank_tune_after(&r->tune, r->last.total_ms);
         r->all_ms += r->last.total_ms;
         r->slowest_ms += r->last.slowest_ms;
         r->mean_ms += r->last.mean_ms;
@@ -109,16 +131,28 @@ static bool run_steps(moved *r, duet_error *err)
     return ok;
 }
 
+// Who says how often ghosts come: the command line, this run's tuning, the store by a grade, or
+// nobody.
+static const char *ghosts_by(const moved *r)
+{
+    return r->tune.state != TUNE_NONE          ? "tuned"
+           : inputs_plan_given(&r->args->plan) ? "given"
+                                               : duet_grade_name(r->grade);
+}
+
 static bool report(const moved *r, duet_error *err)
 {
     const duet_cluster_motion_result *last = &r->last;
     double mean_ms = r->n_steps > 0 ? r->all_ms / (double)r->n_steps : 0;
+    const uint32_t found = rank_tune_found(&r->tune);
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("scene", r->scene), NUMBER("objects", last->bodies),
              NUMBER("ranks", r->cluster->ranks.n), NUMBER("parts", r->args->parts),
              NUMBER("step", last->step), NUMBER("steps", r->n_steps), NUMBER("ms_a_step", mean_ms),
              NUMBER("contacts", last->contacts), NUMBER("colours", last->colours),
-             NUMBER("ghosts", last->ghosts));
+             NUMBER("ghosts", last->ghosts),
+             NUMBER("colours_between", found > 0 ? found : moving_get_every(r->cluster->moving)),
+             STRING("colours_by", ghosts_by(r)));
     if (r->mean_ms > 0)
         json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
                  NUMBER("slowest_rank", last->slowest_rank));
@@ -143,7 +177,7 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
         return false;
     interrupt_react(INTERRUPT_AWAITED);
     bool ok = rank_frames_begin(&r.frames, args->frames, cluster, err) && run_steps(&r, err) &&
-              duet_cluster_get_state_hash(cluster, &r.hash, err) &&
+              rank_tune_end(&r.tune, err) && duet_cluster_get_state_hash(cluster, &r.hash, err) &&
               ranks_agree(&cluster->ranks, tell(&r, err), err) &&
               (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
     rank_frames_end(&r.frames);

@@ -28,6 +28,7 @@ typedef struct cluster_arguments {
     bool plain;
     bool resident;
     bool sorted;
+    bool tune_colours;
     bool check;
     bool verbose;
     bool json;

@@ -9,6 +9,10 @@ return function(o)
   row("steps", count(o.steps), ("%.3f ms a step, to step %.0f"):format(o.ms_a_step, o.step))
   row("contacts", count(o.contacts), ("push, in %.0f colours"):format(o.colours))
   row("ghosts", count(o.ghosts), "bodies that domains have of others")
+  if o.ranks > 1 or o.parts > 1 then
+    local by = { tuned = "tuned", given = "as given", default = "by default" }
+    row("exchanges", count(o.colours_between), ("colours at the most between two; %s"):format(by[o.colours_by] or "stored, " .. o.colours_by))
+  end
   if o.slowest_part and o.ranks > 1 then
     row("slowest", ("%.2f"):format(o.slowest_part), ("times the mean rank's work a step; rank %.0f last"):format(o.slowest_rank))
   end

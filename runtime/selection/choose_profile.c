@@ -3,11 +3,12 @@
 // such objects, queries, bodies or items, on such devices, and gives it to its world, tree, motion
 // or task.
 #define _POSIX_C_SOURCE 200809L // strdup
-#include "runtime/selection/profile_subject.h"
+#include "runtime/selection/choose_profile.h"
 
 #include "base/error.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
+#include "runtime/selection/profile_subject.h"
 #include "runtime/task/app_task.h"
 
 #include <string.h>
@@ -120,6 +121,22 @@ bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *pr
         (is_trusted(&c) && !duet_motion_set_plan(m, &c.plan, err)))
         return false;
     profile->plan = m->def.plan;
+    return tell(&c, profile);
+}
+
+bool choose_over_ranks(const duet_motion *m, const char *objective, const char *path,
+                       duet_profile *profile, duet_error *err)
+{
+    choice c;
+    *profile = (duet_profile){
+        .grade = DUET_GRADE_DEFAULT, .plan = m->def.plan, .level = DUET_LEVEL_CERTIFIED};
+    if (!profile_subject_read_motion(m, &c.asked, err))
+        return false;
+    c.asked.objective = objective;
+    if (!look(&c, path, err))
+        return false;
+    if (is_trusted(&c))
+        profile->plan = c.plan;
     return tell(&c, profile);
 }
 

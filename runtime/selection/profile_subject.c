@@ -338,6 +338,7 @@ profile_request profile_subject_request(const profile_subject *p)
     request.pair = &p->pair;
     request.workload = &p->workload;
     request.kernels = p->kernels;
+    request.objective = p->objective ? p->objective : request.objective;
     if (p->n_levels == 0)
         return request;
     request.levels = p->levels;

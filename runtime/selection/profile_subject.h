@@ -23,6 +23,7 @@ typedef struct profile_subject {
     const char *levels[DUET_LEVELS]; // that may be within the accuracy asked for
     uint32_t n_levels;               // 0: the workload's own level is asked for
     duet_accuracy accuracy;
+    const char *objective; // NULL: the time on one pair
 } profile_subject;
 
 // A workload whose level is chosen by an accuracy is stored as of this level.

@@ -518,6 +518,43 @@ static void borders_change_nothing(uint64_t seed)
     remove_file(EVENTS);
 }
 
+// Between steps another number of colours is drawn, after which ghosts come.
+static void move_with_any_colours(const moving_scene *s, uint64_t hash, uint64_t seed,
+                                  MPI_Comm comm)
+{
+    static const uint32_t drawn[] = {1, 2, 3, 4, 8, 31};
+    rng r = rng_seed(seed); // the same on all ranks
+    uint64_t found = 0;
+    duet_error err = {0};
+    duet_cluster_motion_result result;
+    const duet_cluster_def def = def_of(&comm, 2, 1);
+    duet_cluster *cluster = duet_cluster_create(&def, &err);
+    MUST_OK(cluster, err);
+    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
+            err);
+    for (uint32_t i = 0; i < s->steps; ++i) {
+        const uint32_t every = drawn[rng_below(&r, sizeof drawn / sizeof *drawn)];
+        MUST_OK(moving_set_every(cluster->moving, every, &err), err);
+        MUST(moving_get_every(cluster->moving) == every, "the colours that were set");
+        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    }
+    MUST(result.contacts >= s->least_contacts && result.ghosts > 0, "contacts at borders");
+    MUST_OK(duet_cluster_get_state_hash(cluster, &found, &err), err);
+    MUST(found == hash, "ghosts that come now more and now less often give other bits");
+    duet_cluster_destroy(cluster);
+}
+
+static void colours_between_change_nothing(uint64_t seed)
+{
+    const moving_scene s = {"falling", {{"n", "200"}, {"sleep", "false"}}, 2, 90, 200, 0};
+    const uint64_t hash = expected_hash(&s);
+    MPI_Comm comm = group_of(3);
+    if (comm == MPI_COMM_NULL)
+        return;
+    move_with_any_colours(&s, hash, seed, comm);
+    MPI_Comm_free(&comm);
+}
+
 static uint32_t most_own(const moving *m, MPI_Comm comm)
 {
     uint32_t most = m->domains[0].n_own;
@@ -945,6 +982,7 @@ int main(int argc, char **argv)
     what_is_not_there_is_refused();
     checkpoints_know_no_ranks();
     borders_change_nothing(seed);
+    colours_between_change_nothing(seed);
     borders_follow_bodies();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();

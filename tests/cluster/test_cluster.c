@@ -39,6 +39,62 @@ TEST(ranks_with_devices_find_the_pairs_of_run)
     assert_same_pairs("spheres -n 900 --set world=14", 2, 3);
 }
 
+// ---------------------------------------------------------------- how often ghosts come
+
+static cJSON *move(const char *variables, const char *arguments)
+{
+    program p =
+        program_run_with(variables, "cluster falling -n 300 --steps 80 --json %s", arguments);
+    cJSON *told = json_of_program(&p);
+    program one = program_run("run falling -n 300 --steps 80 --json");
+    assert_string_equal(json_string(told, "hash"), json_string(json_of_program(&one), "hash"));
+    return told;
+}
+
+static void assert_ghosts(const cJSON *told, double colours, const char *by)
+{
+    assert_true(json_number(told, "colours_between") == colours);
+    assert_string_equal(json_string(told, "colours_by"), by);
+}
+
+// A tuning leaves a profile for as many ranks and parts, which a plan on the command line
+// overrides.
+TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
+{
+    skip_without_mpi();
+    test_folder folder = test_folder_make();
+    char variables[160];
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    assert_ghosts(move(variables, "--ranks 2"), 1, "default");
+    cJSON *tuned = move(variables, "--ranks 2 --tune-colours");
+    assert_ghosts(tuned, json_number(tuned, "colours_between"), "tuned");
+    duet_profile_list *list = must(duet_profile_list_create(folder.store, false, ERR));
+    assert_int_equal(duet_profile_list_get_count(list), 1);
+    const duet_stored_profile *profile = duet_profile_list_get_profile(list, 0);
+    char variant[64];
+    snprintf(variant, sizeof variant, "auto motion.colours=%.0f",
+             json_number(tuned, "colours_between"));
+    assert_string_equal(profile->variant_b, variant);
+    assert_true(profile->moving && profile->rounds >= 8);
+    duet_profile_list_destroy(list);
+
+    test_store_run(folder.store, "UPDATE profile SET variant_b = 'auto motion.colours=8'");
+    assert_ghosts(move(variables, "--ranks 2"), 8, "exact");
+    assert_ghosts(move(variables, "--ranks 2 --variant 'auto motion.colours=4'"), 4, "given");
+    assert_ghosts(move(variables, "--ranks 3"), 1, "default");
+    assert_ghosts(move(variables, "--ranks 2 --parts 2"), 1, "default");
+}
+
+TEST(a_tuning_of_ghosts_that_cannot_be_is_refused)
+{
+    skip_without_mpi();
+    program_assert_refused(program_run("cluster falling -n 60 --steps 90 --tune-colours"), 2,
+                           "--tune-colours: one domain exchanges nothing; expected several ranks "
+                           "or parts");
+    program_assert_refused(program_run("cluster falling -n 60 --steps 39 --tune-colours --parts 2"),
+                           2, "--tune-colours: 39 steps are left; expected 40 or more");
+}
+
 // ---------------------------------------------------------------- simulated ranks
 
 #define NETWORK "network.xml"
