@@ -64,6 +64,7 @@ typedef struct gen_arg {
     char type[24];  // type as the card writes it, with " *" behind it for a buffer: "real4 *"
     uint32_t bytes; // bytes of a value under the config; 0: a buffer
     bool is_const, is_constant, is_volatile, is_double; // is_double: real is double
+    bool is_only; // left out, it is no member of ARG_FIELDS either
 } gen_arg;
 
 // An entry point of a kernel: its arguments in the order of its parameters, and behind them those

@@ -44,7 +44,7 @@ static void refuse(lua_State *L, const signature *s, const char *line)
 {
     field_raise(L, s->entry,
                 "%s: '%s' is no argument; expected [volatile] [const | constant] "
-                "TYPE [*]NAME [if CONDITION]",
+                "TYPE [*]NAME [[only] if CONDITION]",
                 s->entry, line);
 }
 
@@ -66,6 +66,24 @@ static bool take_word(char **line, const char *word)
     if (strncmp(*line, word, length) != 0 || (*line)[length] != ' ')
         return false;
     *line += length + strspn(*line + length, " ");
+    return true;
+}
+
+static void cut_blanks(char *line)
+{
+    for (char *end = line + strlen(line); end > line && end[-1] == ' '; --end)
+        end[-1] = '\0';
+}
+
+// Whether the word ends the line; then the line ends before it.
+static bool take_last_word(char *line, const char *word)
+{
+    size_t length = strlen(line), taken = strlen(word);
+    if (length <= taken || line[length - taken - 1] != ' ' ||
+        strcmp(line + length - taken, word) != 0)
+        return false;
+    line[length - taken] = '\0';
+    cut_blanks(line);
     return true;
 }
 
@@ -100,8 +118,7 @@ static void read_line(lua_State *L, signature *s, const char *from, size_t lengt
     memcpy(declaration, line, sizeof line);
     char *condition = strstr(declaration, " if ");
     if (condition) {
-        for (char *end = condition; end >= declaration && *end == ' '; --end)
-            *end = '\0';
+        *condition = '\0';
         condition += 4;
     }
     if (length >= sizeof line || s->n == GEN_MAX_ARGS)
@@ -109,6 +126,8 @@ static void read_line(lua_State *L, signature *s, const char *from, size_t lengt
                     GEN_MAX_ARGS, (int)length);
     signature_arg *a = &s->args[s->n];
     a->condition = LUA_NOREF;
+    cut_blanks(declaration);
+    a->arg.is_only = condition && take_last_word(declaration, "only");
     if (!read_declaration(declaration, a))
         refuse(L, s, line);
     if (condition)
@@ -267,12 +286,17 @@ static void write_values(const gen_entry *entry, text *out)
     text_add(out, "\n");
 }
 
+static bool is_field(const gen_entry *entry, uint32_t i)
+{
+    return i < entry->n_args || !entry->args[i].is_only;
+}
+
 // Finds field `name` in the entries before entries[n], and in that one up to its argument `last`.
 static bool is_there(const gen_entry *entries, uint32_t n, uint32_t last, const char *name)
 {
     for (uint32_t e = 0; e <= n; ++e)
         for (uint32_t i = 0; i < (e < n ? entries[e].n_fields : last); ++i)
-            if (strcmp(entries[e].args[i].name, name) == 0)
+            if (is_field(&entries[e], i) && strcmp(entries[e].args[i].name, name) == 0)
                 return true;
     return false;
 }
@@ -304,7 +328,7 @@ void signature_write_fields(const gen_entry *entries, uint32_t n, text *out)
     for (uint32_t e = 0; e < n; ++e)
         for (uint32_t i = 0; i < entries[e].n_fields; ++i) {
             gen_arg arg = merged(entries, n, entries[e].args[i]);
-            if (is_there(entries, e, i, arg.name))
+            if (!is_field(&entries[e], i) || is_there(entries, e, i, arg.name))
                 continue;
             add_argument(&arg, true, out);
             text_add(out, ";");

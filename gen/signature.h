@@ -2,7 +2,7 @@
 // The arguments of a kernel's entries, as its card lists them: for each entry a
 // text with an argument a line,
 //
-//   [volatile] [const | constant] TYPE [*]NAME [if CONDITION]
+//   [volatile] [const | constant] TYPE [*]NAME [[only] if CONDITION]
 //
 // in the order of the kernel's parameters. A star makes it a buffer, in __global
 // memory or with `constant` in __constant. TYPE is one of OpenCL's, or real, real2,
@@ -42,7 +42,8 @@ void signature_resolve(lua_State *L, const signature *s, const gen_setting *conf
 void signature_write(const gen_entry *entries, uint32_t n, text *out);
 
 // Adds ARG_FIELDS, the arguments of all entries as members of a struct, with those that the config
-// leaves out, and ENTRY_VALUES, what an entry initializes of that struct.
+// leaves out unless they are there `only if` it does not, and ENTRY_VALUES, what an entry
+// initializes of that struct.
 void signature_write_fields(const gen_entry *entries, uint32_t n, text *out);
 
 #endif

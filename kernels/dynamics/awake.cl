@@ -34,11 +34,12 @@ __kernel void mark_awake(MARK_AWAKE_ARGS)
         levels[id] = (woken && levels[id] == LEVEL_AWAKE) || is_awake(&s, id) ? LEVEL_AWAKE : 0;
 }
 
-// The objects of a contact: instead of a ground that a body carries, that body.
+// The objects of a contact.
 static inline uint2 link_of(const scene *s, uint i)
 {
     uint2 link = s->links[i];
 //@ if CARRIED == 1 then
+    // Instead of a ground that a body carries, that body.
     link.y = link.y >= s->n + AT_GROUND ? s->carrier : link.y;
 //@ end
     return link;

@@ -22,7 +22,7 @@ return {
       const uint2 *links
       uint n_contacts
       uint n
-      uint carrier                     if CARRIED == 1
+      uint carrier  only if CARRIED == 1
       const real4 *velocities
       uint n_parts
       volatile uint *levels
@@ -37,7 +37,7 @@ return {
     list_awake = [[
       const uint *levels
       uint n
-      uint carrier                     if CARRIED == 1
+      uint carrier  only if CARRIED == 1
       const uint2 *links
       uint n_contacts
       uint n_parts

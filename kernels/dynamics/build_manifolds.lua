@@ -32,13 +32,13 @@ return {
       const real4 *rotations  if ROTATED == 1
       real4 lower             if BOUNDARY == 1
       real4 upper             if BOUNDARY == 1
-      real4 ground_origin     if GROUND > 0
-      const float *ground_values  if GROUND > 0
-      real4 ground_spacing    if GROUND == 1
-      int4 ground_size        if GROUND == 1
-      const uint *mesh_triangles  if GROUND == 2
-      const uint *mesh_nodes  if GROUND == 2
-      uint carrier            if CARRIED == 1
+      real4 ground_origin  only if GROUND > 0
+      const float *ground_values  only if GROUND > 0
+      real4 ground_spacing  only if GROUND == 1
+      int4 ground_size  only if GROUND == 1
+      const uint *mesh_triangles  only if GROUND == 2
+      const uint *mesh_nodes  only if GROUND == 2
+      uint carrier  only if CARRIED == 1
       const float4 *bodies    if CONTACT_RESPONSE == 1
       const uint *asleep      if SLEEP == 1
       uint woken              if SLEEP == 1

@@ -18,7 +18,7 @@ typedef struct {
 // The velocity of a point that is seen from the object's centre; walls stand still.
 static inline float4 velocity_at(const events *e, uint id, float4 point)
 {
-//@ if CARRIED == 1 then
+//@ if HITS * CARRIED == 1 then
     id = id >= e->n + AT_GROUND ? e->carrier : id;
 //@ end
     if (id >= e->n)

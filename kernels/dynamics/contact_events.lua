@@ -18,7 +18,7 @@ return {
       uint *touching
       const uint2 *links                if HITS == 1
       uint n                            if HITS == 1
-      uint carrier                      if HITS * CARRIED == 1
+      uint carrier  only if HITS * CARRIED == 1
       const real4 *centres              if HITS == 1
       const int4 *cells                 if HITS * ORIGIN > 0
       const real4 *velocities           if HITS == 1

@@ -1,5 +1,7 @@
+//@ if GROUND == 2 then
 // SPDX-License-Identifier: MIT
-// A mesh as kernels read it: rows of words, of which the host makes all (runtime/bodies/mesh_rows.c).
+// A mesh as kernels read it: rows of words, of which the host makes all
+// (runtime/bodies/mesh_rows.c).
 #ifndef DUET_MESH_ROWS_H
 #define DUET_MESH_ROWS_H
 
@@ -17,3 +19,4 @@
 #define MESH_NODE 8
 
 #endif
+//@ end

@@ -33,13 +33,13 @@ return {
       const float *frictions  if FRICTION == 1
       const uint *materials   if MATERIALS == 1
       const float *material_rules  if MATERIALS == 1
-      float4 ground_surface   if GROUND_MATERIAL == 1
+      float4 ground_surface  only if GROUND_MATERIAL == 1
       const float *rolling_resistances  if ROLLING == 1
       const float4 *halves    if ROLLING == 1
       const float4 *surface_velocities  if CONVEYS == 1
       const real4 *rotations  if CONVEYS == 1
       uint n
-      uint carrier            if CARRIED == 1
+      uint carrier  only if CARRIED == 1
       const uint *list
       const uint4 *spans
       int4 span

@@ -14,7 +14,7 @@ local of_rest = [[
   const real4 *velocities
   const real4 *angular_velocities  if ANGULAR_VELOCITY == 1
   const float *sensors             if SENSORS == 1
-  uint carrier                     if CARRIED == 1
+  uint carrier  only if CARRIED == 1
 ]]
 
 return {

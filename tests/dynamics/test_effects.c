@@ -424,6 +424,40 @@ TEST(kernels_take_no_argument_of_what_is_left_out)
     assert_true(checked >= 20);
 }
 
+// The kernel with every effect on but the ground, or with heights.
+static gen_variant variant_of_ground(gen *g, const char *name, const gen_limits *limits, int ground)
+{
+    gen_setting settings[N_WORDS + 1];
+    uint32_t n = 0;
+    for (int i = 0; i < N_WORDS; ++i)
+        if (has_param(g, name, limits, words[i].param))
+            settings[n++] =
+                (gen_setting){words[i].param, strcmp(words[i].param, "GROUND") == 0 ? ground : 1};
+    gen_variant v = {0};
+    must(gen_make(g, name, settings, n, limits, &v, ERR));
+    return v;
+}
+
+// Not even as a member of a struct, which a kernel with a mesh has.
+TEST(no_text_names_a_mesh_or_a_ground_that_is_not_there)
+{
+    static const char *const of_mesh[] = {"mesh_", "MESH_", "carrier", "CARRIED"};
+    static const char *const of_ground[] = {"ground_", "heights"};
+    const gen_limits limits = {.max_group = 1024, .local_bytes = 49152, .fp64 = true};
+    gen *g = kept(gen_open(NULL, ERR));
+    for (size_t k = 0; k < N_KERNELS; ++k)
+        for (int ground = 0; ground < 2; ++ground) {
+            gen_variant v = variant_of_ground(g, kernels[k], &limits, ground);
+            for (size_t w = 0; w < sizeof of_mesh / sizeof *of_mesh; ++w)
+                if (strstr(v.text, of_mesh[w]))
+                    fail_msg("%s with GROUND %d names '%s'", kernels[k], ground, of_mesh[w]);
+            for (size_t w = 0; ground == 0 && w < sizeof of_ground / sizeof *of_ground; ++w)
+                if (strstr(v.text, of_ground[w]))
+                    fail_msg("%s without a ground names '%s'", kernels[k], of_ground[w]);
+            gen_variant_free(&v);
+        }
+}
+
 // Every kernel that an effect changes is among those that explain names.
 TEST(an_effect_names_all_its_kernels)
 {

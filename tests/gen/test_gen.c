@@ -322,6 +322,27 @@ TEST(a_card_s_arguments_become_parameters)
                                  "    __constant const grid_level *levels;\n"));
 }
 
+TEST(an_argument_that_is_there_only_if_a_condition_holds_is_else_no_member)
+{
+    static const char *const args =
+        "args = { take = [[\n float h only if A == 1\n float4 *x  only  if A == 1\n"
+        " float w if A == 1\n uint n ]], put = [[ float4 *x only if B == 1 ]] },";
+    for (int x = 0; x < 4; ++x) {
+        char card[512], params[128];
+        snprintf(
+            params, sizeof params,
+            "{ 'A', values = { 0, 1 }, default = %d }, { 'B', values = { 0, 1 }, default = %d }",
+            x & 1, x >> 1);
+        snprintf(card, sizeof card, CARD("%s", "%s"), params, args);
+        duet_error err = make_with(card, "k.cl", "struct { ARG_FIELDS };\n");
+        assert_ok(err.status == DUET_STATUS_OK, err);
+        assert_true(!strstr(made, "float h;") == !(x & 1));
+        assert_true(!strstr(made, "__global float4 *x;") == !x); // of either entry
+        assert_non_null(strstr(made, "float w;"));
+        assert_non_null(strstr(made, "uint n;"));
+    }
+}
+
 // ------------------------------------------------------- what is broken
 
 TEST(a_broken_card_is_told_with_its_line)
