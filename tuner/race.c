@@ -99,7 +99,7 @@ static bool all_are_known(const race *r)
         if (i == leader || r->rivals[i].out)
             continue;
         race_gain gain = race_compare(r, leader, i);
-        double widest = fmax(pow(1 + r->options.margin, 2), cbrt(gain.interval.low));
+        double widest = fmax(pow(1 + r->options.margin, 2), sqrt(gain.interval.low));
         if (gain.verdict == RACE_AMBIGUOUS || gain.interval.high > widest * gain.interval.low)
             return false;
     }
@@ -139,14 +139,20 @@ static bool beats(const race *r, uint32_t rival, uint32_t other)
     return other == r->n || race_compare(r, rival, other).ratio > 1;
 }
 
-uint32_t race_leader(const race *r)
+// The best of those that are in, from one of them on; n if there is none.
+static uint32_t leader_from(const race *r, uint32_t from)
 {
     uint32_t leader = r->n;
-    for (uint32_t i = 0; i < r->n; ++i) {
+    for (uint32_t i = from; i < r->n; ++i) {
         if (!r->rivals[i].out && r->rivals[i].rounds > 0 && beats(r, i, leader))
             leader = i;
     }
     return leader;
+}
+
+uint32_t race_leader(const race *r)
+{
+    return leader_from(r, 0);
 }
 
 uint32_t race_best(const race *r, uint32_t from, uint32_t to)
@@ -161,12 +167,14 @@ uint32_t race_best(const race *r, uint32_t from, uint32_t to)
 
 static void drop_slower(race *r)
 {
-    uint32_t leader = race_leader(r);
+    uint32_t leader = race_leader(r), chosen = leader_from(r, r->options.stay);
+    bool one = r->options.chosen_after > 0 && fewest_rounds(r) >= r->options.chosen_after;
     for (uint32_t i = r->options.stay; i < r->n; ++i) {
         if (i == leader || r->rivals[i].out)
             continue;
         race_gain gain = race_compare(r, leader, i);
-        r->rivals[i].out = gain.verdict == RACE_FASTER && gain.interval.low > r->options.dropped;
+        bool slower = gain.verdict == RACE_FASTER && gain.interval.low > r->options.dropped;
+        r->rivals[i].out = slower || (one && i != chosen);
     }
 }
 

@@ -15,6 +15,7 @@ const race_options trial_budget_last_race = {.least_rounds = 14,
                                              .confidence = 0.99,
                                              .dropped = 1.03,
                                              .stay = 1, // the device alone
+                                             .chosen_after = 14,
                                              .margin = 0.03};
 
 // Counts the rivals of the first race: all devices alone, and each mode's best share.

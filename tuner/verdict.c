@@ -21,7 +21,7 @@ static const double SAME_SHARE = 0.06;  // of two equal shares, as part of one
 static race_options first_race(uint32_t shared)
 {
     race_options o = race_default_options();
-    o.most_rounds = shared > 1 ? o.most_rounds : 12;
+    o.most_rounds = shared > 1 ? o.most_rounds : o.least_rounds;
     return o;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--task T] [--verify]
+// duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--task T]
+// [--strategy S] [--seconds S] [--verify]
 #include "bench.h"
 
 #include "base/error.h"
@@ -96,7 +97,7 @@ bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, ui
 static int usage(void)
 {
     fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] "
-                    "[--pair A,B] [--task T] [--verify]\n");
+                    "[--pair A,B] [--task T] [--strategy S] [--seconds S] [--verify]\n");
     for (int i = 0; i < N_BENCHES; ++i)
         fprintf(stderr, "  %-10s %s\n", benches[i].name, benches[i].about);
     return 2;
@@ -135,10 +136,18 @@ static bool read_option(const char *name, char *value, bench_options *options)
         options->task = value;
         return value != NULL;
     }
+    if (strcmp(name, "--strategy") == 0) {
+        options->strategy = value;
+        return value != NULL;
+    }
     if (strcmp(name, "--seed") == 0)
         return read_number(value, 0, UINT64_MAX, &options->seed);
     if (strcmp(name, "--n") == 0 && read_number(value, 1, 1u << 26, &number)) {
         options->n = (uint32_t)number;
+        return true;
+    }
+    if (strcmp(name, "--seconds") == 0 && read_number(value, 1, 1u << 20, &number)) {
+        options->seconds = (double)number;
         return true;
     }
     if (strcmp(name, "--runs") == 0 && read_number(value, 1, SERIES_ROOM, &number)) {

@@ -15,9 +15,11 @@ typedef struct bench_options {
     const char *device;   // selector of the one device
     const char *device_a; // selectors of two; NULL: the default device pair
     const char *device_b;
-    const char *task; // one of the example tasks; NULL: all
-    uint32_t n;    // objects; 0: the benchmark's own number
-    uint32_t runs; // runs of each side
+    const char *task;     // one of the example tasks; NULL: all
+    const char *strategy; // for tasks, beside every plan and the default; NULL: all
+    uint32_t n;           // objects; 0: the benchmark's own number
+    uint32_t runs;        // runs of each side
+    double seconds;       // the most that brute force may take; 0: any
     uint64_t seed;
     bool verify; // compare with the reference first
 } bench_options;

@@ -4,7 +4,12 @@
 // device alone by the kernels that the default strategy found, then race in turn; each is compared
 // with the best of brute force's, round by round. A launch's time is without what other programs
 // took of it. --n: items of saxpy; the others have as much less work. --task: one, of --n items.
+//
+// Brute force counts a plan, but does not launch it, if one part of it alone took 1.3 times as long
+// as the quickest plan. Every strategy tells how far it is, and the bench fails if brute force
+// takes longer than --seconds.
 #include "bench.h"
+#include "part_times.h"
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -25,7 +30,8 @@ static const struct {
 } tasks[] = {{"saxpy", 1e6, 1},   {"nbody", 4096, 2}, {"histogram", 4e6, 1},
              {"stencil", 512, 2}, {"matmul", 256, 3}, {"black_scholes", 2e5, 1}};
 
-// The first is what the others are compared with, and the second the default.
+// The first is what the others are compared with, and the second the default. --strategy: these two
+// and that one.
 static const char *const names[] = {"brute", "balance", "annealing", "random"};
 
 enum {
@@ -33,6 +39,7 @@ enum {
     SHARED = N_NAMES,
     FEW = 4, // more of brute force's best
     RIVALS = N_NAMES + 1 + FEW + 2,
+    TELL_SECONDS = 5,
     TASKS = sizeof tasks / sizeof *tasks
 };
 
@@ -43,30 +50,84 @@ typedef struct rival {
     double ms[SERIES_ROOM];
 } rival;
 
-// A launch without what other programs took of it, which is of the device that took longer.
-static bool launch_alone(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
-                         duet_error *err)
+// Leaves what other programs took of a launch out of it, which is of the device that took longer.
+static void leave_out_lost(measure_launch *launch)
 {
-    subject *s = context;
-    if (!s->kind->machine.launch(s, plan, staged, launch, err))
-        return false;
     int64_t lost = (int64_t)launch->use.lost_ns;
     int64_t *longer = launch->a_ns > launch->b_ns ? &launch->a_ns : &launch->b_ns;
-    launch->total_ns -= lost;
     *longer = *longer > lost + 1000 ? *longer - lost : 1000;
+    launch->total_ns = launch->total_ns - lost > *longer ? launch->total_ns - lost : *longer;
     launch->use = (core_use){0};
+}
+
+static bool launch_alone(subject *s, const duet_plan *plan, bool staged, measure_launch *launch,
+                         duet_error *err)
+{
+    if (!s->kind->machine.launch(s, plan, staged, launch, err))
+        return false;
+    leave_out_lost(launch);
     return true;
 }
 
-// As duet_tune_run does, of such launches.
-static bool find_plan(subject *s, rival *r, trial_log *log, duet_error *err)
+// ---------------------------------------------------------------- strategies
+
+// A strategy at work.
+typedef struct worker {
+    subject *subject;
+    const char *task, *strategy;
+    part_times *parts;   // NULL: each plan is launched
+    double most_seconds; // 0: it may take any time
+    double told_seconds;
+    double left_seconds;
+} worker;
+
+static bool launch_allowed(void *context, const duet_plan *plan, bool staged,
+                           measure_launch *launch, duet_error *err)
 {
+    worker *w = context;
+    if (w->parts && !part_times_allow(w->parts, plan))
+        return error_set(err, DUET_STATUS_NOT_FOUND, "one part alone takes too long");
+    if (!w->subject->kind->machine.launch(w->subject, plan, staged, launch, err))
+        return false;
+    if (w->parts)
+        part_times_add(w->parts, plan, launch);
+    leave_out_lost(launch);
+    return true;
+}
+
+static bool read_kernels(void *context, const duet_plan *plan, int side, kernel_spaces *to,
+                         duet_error *err)
+{
+    subject *s = ((worker *)context)->subject;
+    return s->kind->machine.read_kernels(s, plan, side, to, err);
+}
+
+static bool is_late(const worker *w, double seconds)
+{
+    return w->most_seconds > 0 && seconds > w->most_seconds;
+}
+
+// Tells how far it is; false once it has taken too long.
+static bool watch(void *context, const duet_tune_progress *p)
+{
+    worker *w = context;
+    w->left_seconds = fmax(0, p->seconds * (p->most_trials / (double)p->trials - 1));
+    if (p->seconds > w->told_seconds + TELL_SECONDS) {
+        fprintf(stderr, "%s, %s: %u of at most %u trials in %.0f s, about %.0f s more\n", w->task,
+                w->strategy, p->trials, p->most_trials, p->seconds, w->left_seconds);
+        w->told_seconds = p->seconds;
+    }
+    return !is_late(w, p->seconds);
+}
+
+// As duet_tune_run does, of such launches.
+static bool find_plan(worker *w, rival *r, trial_log *log, duet_error *err)
+{
+    subject *s = w->subject;
     const duet_plan usual = duet_default_plan(s->pair);
     const tune_problem problem = {
         .def = s->def,
-        .machine = {.context = s,
-                    .launch = launch_alone,
-                    .read_kernels = s->kind->machine.read_kernels},
+        .machine = {.context = w, .launch = launch_allowed, .read_kernels = read_kernels},
         .one_device = s->one_device,
         .plan = s->plan,
         .start = usual.share,
@@ -78,6 +139,14 @@ static bool find_plan(subject *s, rival *r, trial_log *log, duet_error *err)
     bool ok = tune_run(&problem, log, &r->found, err);
     r->found.seconds = (double)(clock_steady_ns() - begun) * 1e-9;
     r->plan = r->found.plan;
+    if (!ok && is_late(w, r->found.seconds)) {
+        *err = (duet_error){0};
+        return error_set(err, DUET_STATUS_INTERRUPTED,
+                         "task %s, %s: not done after %.0f s; expected --seconds %.0f or fewer "
+                         "items",
+                         w->task, w->strategy, w->most_seconds,
+                         ceil(w->most_seconds + w->left_seconds));
+    }
     return ok;
 }
 
@@ -85,17 +154,29 @@ static bool tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r, t
                  const bench_options *options, duet_error *err)
 {
     subject s = {0};
+    bool is_brute = r->name == names[0];
+    worker w = {.subject = &s,
+                .task = t->name,
+                .strategy = r->name,
+                .parts = is_brute ? calloc(1, sizeof *w.parts) : NULL,
+                .most_seconds = is_brute ? options->seconds : 0};
     duet_tune_def def = duet_default_tune_def();
+    def.watch = watch;
+    def.watch_context = &w;
     def.pair = pair;
     def.task = t;
     def.strategy = r->name;
     def.objective = "time";
     def.wait_seconds = 0;
     def.seed = options->seed;
-    def.repeats = r->name == names[0] ? 1 : 3;
+    def.repeats = is_brute ? 1 : 3;
     subject_complete(&def);
-    bool ok = subject_prepare(&s, &def, pair, cores, err) && find_plan(&s, r, log, err);
+    bool ok = subject_prepare(&s, &def, pair, cores, err) && find_plan(&w, r, log, err);
+    if (ok && w.parts)
+        fprintf(stderr, "%s, brute: %u plans in %.1f s, %u of them not launched\n", t->name,
+                r->found.plans, r->found.seconds, w.parts->passed_over);
     subject_release(&s);
+    free(w.parts);
     return ok;
 }
 
@@ -159,7 +240,7 @@ static bool race_all(duet_device_pair *pair, task *t, core_watch *cores, rival *
     for (uint32_t run = 0; ok && run < runs; ++run)
         for (uint32_t turn = 0; ok && turn < RIVALS; ++turn) {
             rival *r = &rivals[(turn + run) % RIVALS];
-            ok = launch_twice(&s, &r->plan, &r->ms[run], err);
+            ok = !r->name || launch_twice(&s, &r->plan, &r->ms[run], err);
         }
     subject_release(&s);
     return ok;
@@ -195,7 +276,8 @@ static void print_rival(const task *t, const rival *r, const rival *best, uint32
 static void print(const task *t, const rival *rivals, uint32_t runs)
 {
     for (int i = 0; i < RIVALS; ++i)
-        print_rival(t, &rivals[i], best_of_brute(rivals, runs), runs, rivals[0].found.trials);
+        if (rivals[i].name)
+            print_rival(t, &rivals[i], best_of_brute(rivals, runs), runs, rivals[0].found.trials);
     fflush(stdout);
 }
 
@@ -208,6 +290,8 @@ static bool compare(duet_device_pair *pair, task *t, const bench_options *option
     trial_log logs[N_NAMES] = {0};
     bool ok = true;
     for (int i = 0; ok && i < N_NAMES; ++i) {
+        if (i > 1 && options->strategy && strcmp(options->strategy, names[i]) != 0)
+            continue;
         rivals[i].name = names[i];
         ok = tune(pair, t, cores, &rivals[i], &logs[i], options, err);
     }

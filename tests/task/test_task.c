@@ -8,6 +8,7 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -263,6 +264,49 @@ TEST(a_wrong_answer_names_the_item_both_values_and_the_bound)
                       "= 0, 9 do v.y[i] = 2 * i end end, " TEN "}",
                       DUET_STATUS_WRONG_RESULT,
                       "task t: item 7: y[7] is 3; expected 14 within 0.014");
+}
+
+// A number as it may come up: what it is about, infinite, none, or of the other sign.
+static float draw_float(rng *r)
+{
+    static const float rare[] = {0.0f, -0.0f, INFINITY, -INFINITY, NAN, 1.0f, -1.0f};
+    uint32_t which = rng_below(r, 40);
+    return which < sizeof rare / sizeof *rare ? rare[which] : (float)(8 * rng_unit(r) - 4);
+}
+
+// Most are right, some just within the bound or beyond it. Truth is a look at one number after the
+// other in long double, and arrays are longer than what is looked at in one go.
+TEST(the_first_wrong_number_of_many_is_found)
+{
+    enum { N = 3000 };
+    rng r = rng_seed(test_seed());
+    task t = {.name = "t", .tolerance = 0.25};
+    for (int round = 0; round < 200; ++round) {
+        task_arg arg = {.name = "y", .is_array = true, .lanes = 1, .per_item = 1};
+        task_values found;
+        must(task_values_make(&found, TASK_FLOAT, N, ERR));
+        must(task_values_make(&arg.expected, TASK_FLOAT, N, ERR));
+        float *is = found.bytes, *should = arg.expected.bytes;
+        uint32_t wrong = N, chance = 1u << rng_below(&r, 14);
+        for (uint32_t i = 0; i < N; ++i) {
+            should[i] = draw_float(&r);
+            is[i] = rng_below(&r, chance) ? should[i] : (float)(should[i] + 0.6 * rng_unit(&r));
+            is[i] = rng_below(&r, chance) ? is[i] : draw_float(&r);
+            long double bound = 0.25L * fmaxl(1, fabsl((long double)should[i]));
+            bool right = is[i] == should[i] || (isnan(is[i]) && isnan(should[i])) ||
+                         (isfinite(is[i]) && isfinite(should[i]) &&
+                          fabsl((long double)is[i] - (long double)should[i]) <= bound);
+            wrong = right || wrong < N ? wrong : i;
+        }
+        char says[32];
+        snprintf(says, sizeof says, "item %u: y[%u] is ", wrong, wrong);
+        if (wrong < N)
+            must_fail(task_check(&t, &arg, &found, ERR), DUET_STATUS_WRONG_RESULT, says);
+        else
+            must(task_check(&t, &arg, &found, ERR));
+        task_values_free(&found);
+        task_values_free(&arg.expected);
+    }
 }
 
 TEST(a_write_outside_the_items_is_found)

@@ -167,6 +167,33 @@ TEST(whom_the_others_are_measured_by_stays)
     assert_true(!r.rivals[0].out && r.rivals[0].rounds == 40);
 }
 
+// Whom the others are measured by runs on, with the best of the others, also where it is the best
+// itself: of equal plans one is as good as the other.
+TEST(one_of_the_others_is_left_once_it_is_to_be_chosen)
+{
+    rng random = rng_seed(test_seed());
+    const race_options options = {.least_rounds = 10,
+                                  .most_rounds = 30,
+                                  .confidence = 0.99,
+                                  .dropped = 1.5,
+                                  .stay = 1,
+                                  .chosen_after = 12};
+    for (int k = 0; k < 50; ++k) {
+        const double ns[] = {k % 2 ? 900 : 1100, 1000, 1000, 1040, 1300};
+        race r = race_begin(5, &options);
+        run(&r, ns, 0.05, &random);
+        uint32_t left = 0;
+        for (uint32_t i = 1; i < 5; ++i) {
+            assert_true(r.rivals[i].out == (r.rivals[i].rounds == 12));
+            assert_true(r.rivals[i].out || r.rivals[i].rounds == 30);
+            left += !r.rivals[i].out;
+        }
+        assert_int_equal(left, 1);
+        assert_true(r.rivals[4].out);
+        assert_true(!r.rivals[0].out && r.rivals[0].rounds == 30);
+    }
+}
+
 // A gain of 90 % need not be known as well as one of 2 %.
 TEST(a_race_that_is_far_from_a_tie_ends_sooner)
 {
