@@ -214,38 +214,6 @@ bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, duet_error *err)
     return parcels_exchange(r, ok, &g->out, &g->in, err);
 }
 
-// ---------------------------------------------------------------- ghosts that move
-
-// In a pile a colour leaves one in seven ghosts wrong that touch what is here; of those travel two
-// velocities of three floats, and in each second pass as much again (cluster/halo.c).
-enum { ONE_IN = 7, COLOUR_BYTES = 36 };
-
-static bool reserve_colours(parcels *p, const parcels *all, const ranks *r, duet_error *err)
-{
-    if (!parcels_begin(p, r, COLOUR_BYTES, err))
-        return false;
-    for (int q = 0; q < r->n; ++q)
-        p->counts[q] = q == r->self ? 0 : (all->counts[q] + ONE_IN - 1) / ONE_IN;
-    return parcels_reserve(p, r, NULL, err);
-}
-
-bool ghosts_send_colours(const ghosts *g, ranks *r, uint32_t n, duet_error *err)
-{
-    parcels out = {0}, in = {0};
-    MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof *requests);
-    if (!requests)
-        error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
-    bool ok = is_well(err) && reserve_colours(&out, &g->out, r, err) &&
-              reserve_colours(&in, &g->in, r, err);
-    ok = ranks_agree(r, ok, err);
-    for (uint32_t i = 0; ok && i < n; ++i)
-        parcels_pass(r, &out, &in, requests);
-    parcels_end(&out);
-    parcels_end(&in);
-    free(requests);
-    return ok;
-}
-
 bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err)
 {
     *g = (ghosts){0};

@@ -32,10 +32,6 @@ bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err);
 bool ghosts_exchange(ghosts *g, const owned *o, ranks *r, duet_error *err);
 void ghosts_end(ghosts *g);
 
-// Simulated ranks' bodies move: sends what their ghosts are sent after each of so many colours.
-// Collective; fails on all ranks if one is not well.
-bool ghosts_send_colours(const ghosts *g, ranks *r, uint32_t n, duet_error *err);
-
 // Lists the ghosts that came by their domains: domain d's ghosts are [first[d], first[d + 1]).
 bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, duet_error *err);
 

@@ -78,6 +78,7 @@ bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error
     int length = 0;
     *r = (ranks){.comm = MPI_COMM_NULL, .host = MPI_COMM_NULL, .simulation = s};
     r->stands_for = s ? s->stands_for : 1;
+    r->traffic = s ? s->traffic : NULL;
     if (!begin_mpi(r, err))
         return false;
     MPI_Comm_dup(comm ? *comm : MPI_COMM_WORLD, &r->comm);

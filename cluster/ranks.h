@@ -16,11 +16,11 @@
 
 // Replaces devices and time if the ranks are simulated.
 typedef struct simulation {
-    uint32_t stands_for;          // objects of a larger scene, for each object
-    double object_seconds;        // a rank's step takes for each object or ghost; 0: it finds pairs
-    uint32_t exchanges;           // of ghosts after a step's colours; 0: nothing moves
-    void (*pass)(double seconds); // lets simulated time pass for this rank
-    void *ballast;                // memory of any message's size, which nobody reads
+    uint32_t stands_for;   // objects of a larger scene, for each object
+    double object_seconds; // a rank's step takes for each object or ghost; 0: it finds pairs
+    const struct ghost_traffic *traffic; // that ranks begin with; NULL: nothing moves
+    void (*pass)(double seconds);        // lets simulated time pass for this rank
+    void *ballast;                       // memory of any message's size, which nobody reads
 } simulation;
 
 typedef struct ranks {
@@ -34,9 +34,10 @@ typedef struct ranks {
     int n_on_host;
     double processors; // the host's processors for this rank: the processors that it may use, each
                        // divided among the ranks of the host that may use it, too
-    const simulation *simulation; // NULL: they are real
-    uint32_t stands_for;          // objects of a larger scene, for each object; 1 if they are real
-    bool goes_first;              // on this host, where the others wait
+    const simulation *simulation;        // NULL: they are real
+    const struct ghost_traffic *traffic; // of simulated bodies that move; else NULL
+    uint32_t stands_for; // objects of a larger scene, for each object; 1 if they are real
+    bool goes_first;     // on this host, where the others wait
     bool began_mpi;
     uint64_t *counts; // [2][n] sent to each rank, and received from each
     uint64_t wait_ns; // spent in the calls below

@@ -11,6 +11,7 @@
 
 #include "base/budget.h"
 #include "base/error.h"
+#include "cluster/ghost_traffic.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -92,8 +93,8 @@ static bool search(duet_cluster *c, tally *t, duet_error *own)
     bool ok = cluster_search_all(c, own);
     if (c->step == STEP_COLD)
         ranks_end_turn(&c->ranks);
-    if (c->ranks.simulation && c->ranks.simulation->exchanges > 0 &&
-        !ghosts_send_colours(&c->ghosts, &c->ranks, c->ranks.simulation->exchanges, own))
+    if (c->ranks.traffic &&
+        !ghost_traffic_take(c->ranks.traffic, &c->ghosts, &c->ranks, owned_count(&c->owned), own))
         return false;
     c->step = STEP_ENDED;
     if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)

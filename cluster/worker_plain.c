@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Workers without devices: their objects lie in plain memory, and plans and profiles, which are of
 // devices, change nothing. One finds pairs by the plain C reference: slow, without OpenCL, and
-// never wrong. A simulation's takes the time of a search, and finds nothing.
+// never wrong. A simulation's takes the time of a step of a still world, and finds nothing.
 #include "base/error.h"
 #include "cluster/objects.h"
 #include "cluster/ranks.h"
@@ -148,7 +148,8 @@ static bool take_time(worker *w, const global_ids *ids, worker_found *found, due
     const plain_worker *p = (plain_worker *)w;
     const simulation *s = p->simulation;
     (void)ids, (void)err;
-    s->pass(s->object_seconds * s->stands_for * p->n);
+    if (!s->traffic) // which takes the time of bodies that move
+        s->pass(s->object_seconds * s->stands_for * p->n);
     *found = (worker_found){0};
     return true;
 }

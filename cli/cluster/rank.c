@@ -11,6 +11,7 @@
 #include "cli/report/run_report.h"
 #include "cli/say.h"
 #include "cluster/cluster.h"
+#include "cluster/ghost_traffic.h"
 #include "cluster/rank_watch.h"
 #include "tuner/stats.h"
 
@@ -33,7 +34,8 @@ typedef struct run_state {
     duet_cluster_result result;
     double *total_ms; // [args.repeat], of which n_steps were taken; ascending at the end
     uint64_t n_steps;
-    bool is_stopped; // a rank was asked to stop, so all did
+    bool is_stopped;                   // a rank was asked to stop, so all did
+    double traffic_ms[GHOST_TRAFFICS]; // of a step in which ghosts come so often
     duet_cluster_rank *ranks;
     reference_check check;
 } run_state;
@@ -197,13 +199,39 @@ static bool tell_stop(const run_state *r, duet_error *err)
     return !r->is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
 }
 
+// The colours that a tuning over ranks found; 0: it was none.
+static unsigned long stored_colours(const duet_stored_profile *p)
+{
+    static const char setting[] = "motion.colours=";
+    const char *at = p ? strstr(p->variant_b, setting) : NULL;
+    return at ? strtoul(at + strlen(setting), NULL, 10) : 0;
+}
+
+// Simulated bodies get ghosts as often as the profile says, else as makes a step short.
+static bool choose_traffic(run_state *r, duet_error *err)
+{
+    const ghost_traffic **now = &r->cluster->ranks.traffic;
+    const unsigned long stored = stored_colours(r->profile);
+    uint32_t best = 0;
+    bool ok = true;
+    for (uint32_t i = 0; ok && *now && i < GHOST_TRAFFICS; ++i) {
+        *now = &ghost_traffics[i];
+        ok = step(r, err);
+        r->traffic_ms[i] = r->result.total_ms;
+        best = r->traffic_ms[i] < r->traffic_ms[best] ? i : best;
+    }
+    if (*now)
+        *now = stored > 0 ? ghost_traffic_of((uint32_t)stored) : &ghost_traffics[best];
+    return ok;
+}
+
 // A signal ends it with what was timed until then.
 static bool run_steps(run_state *r, duet_error *err)
 {
     uint64_t repeat = r->args->repeat;
     bool ok = ranks_agree(&r->cluster->ranks, reserve(r, err), err);
     interrupt_react(INTERRUPT_AWAITED);
-    ok = ok && step(r, err);
+    ok = ok && step(r, err) && choose_traffic(r, err);
     progress p = progress_begin("step", repeat);
     while (ok && r->n_steps < repeat && r->cluster->step != STEP_STOPPED) {
         ok = step(r, err);
@@ -248,17 +276,22 @@ static bool is_forecast(const run_state *r)
     return r->simulation && r->simulation->object_seconds > 0;
 }
 
-// Weak scaling: the part of all ranks' time that goes to their own objects, not to ghosts or waits.
-static double efficiency(const run_state *r)
+// Weak scaling: the part of all ranks' time that goes to their own objects, not to ghosts or waits,
+// in a step that takes so long.
+static double efficiency(const run_state *r, double total_ms)
 {
-    double own_ms = 0;
-    for (int i = 0; i < r->n_ranks; ++i) {
-        const duet_cluster_rank *rank = &r->ranks[i];
-        double own = (double)rank->objects;
-        double all = own + (double)rank->ghosts;
-        own_ms += all > 0 ? rank->busy_ms * own / all : 0;
-    }
-    return own_ms / (r->n_ranks * r->total_ms[(r->n_steps - 1) / 2]);
+    const double own_ms = r->simulation->object_seconds * 1e3 * (double)r->result.objects;
+    return own_ms / (r->n_ranks * total_ms);
+}
+
+static void add_traffics(cJSON *o, const run_state *r)
+{
+    json_add(o, NUMBER("colours_between", r->cluster->ranks.traffic->colours));
+    cJSON *rows = cJSON_AddArrayToObject(o, "exchanges");
+    for (int i = 0; i < GHOST_TRAFFICS; ++i)
+        json_add(json_add_row(rows), NUMBER("colours_between", ghost_traffics[i].colours),
+                 NUMBER("total_ms", r->traffic_ms[i]),
+                 NUMBER("efficiency", efficiency(r, r->traffic_ms[i])));
 }
 
 static void add_rank(cJSON *list, const run_state *r, int i)
@@ -287,7 +320,9 @@ static bool report(const run_state *r, duet_error *err)
     if (r->simulation)
         json_add(o, STRING("platform", r->args->simulate));
     if (is_forecast(r))
-        json_add(o, NUMBER("efficiency", efficiency(r)));
+        json_add(o, NUMBER("efficiency", efficiency(r, r->total_ms[(n - 1) / 2])));
+    if (r->cluster->ranks.traffic)
+        add_traffics(o, r);
     cJSON *rows = cJSON_AddArrayToObject(o, "ranks");
     for (int i = 0; i < r->n_ranks; ++i)
         add_rank(rows, r, i);

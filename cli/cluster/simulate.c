@@ -4,6 +4,7 @@
 #include "cli/cluster/rank.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
+#include "cluster/ghost_traffic.h"
 #include "cluster/simulated/smpi.h"
 
 #include <limits.h>
@@ -53,10 +54,6 @@ static bool check_steps(const simulated_job *job, const duet_stored_profile *p, 
 // The most that a rank's step can take for each object.
 static const double MOST_OBJECT_S = 1;
 
-// A step in which bodies move has four substeps of two passes, each of as many colours as piles
-// have.
-enum { EXCHANGES = 4 * 2 * 14 };
-
 // Reads the step's time by the objects of the profile. A store may have been written by anybody.
 static bool read_times(simulated_job *job, duet_error *err)
 {
@@ -70,7 +67,7 @@ static bool read_times(simulated_job *job, duet_error *err)
     if (!p || !check_steps(job, p, err))
         return false;
     job->profile = p;
-    s->exchanges = p->moving ? EXCHANGES : 0;
+    s->traffic = p->moving ? ghost_traffics : NULL;
     s->object_seconds = p->step_ms * 1e-3 / (double)p->objects;
     return (s->object_seconds > 0 && s->object_seconds <= MOST_OBJECT_S) ||
            error_set(err, DUET_STATUS_BAD_INPUT,

@@ -23,6 +23,10 @@ return function(o)
   if o.efficiency then
     row("efficiency", ("%.3f"):format(o.efficiency), "what devices take for their own objects, by that")
   end
+  for _, e in ipairs(o.exchanges or {}) do
+    row(e.colours_between == o.colours_between and "exchanges" or "", ("%.3f"):format(e.efficiency),
+      ("with one after %s"):format(report.things(e.colours_between, "colour", "colours")))
+  end
   if o.check then report.tell_check(o.check) end
   return report.told
 end

@@ -11,6 +11,7 @@
 #include "profiles/duet_profiles.h"
 #include "profiles/sql.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -160,24 +161,54 @@ static double of_all_ranks(const cJSON *result, const char *name)
     return sum;
 }
 
-// The same step takes longer for bodies that move, by a message of at least 20 us (there are two
-// links) after each of 112 colours, of 36 bytes a ghost and one in seven ghosts.
+// Where ghosts come after each colour both sides send a message of at least 20 us (there are two
+// links) after each of 112 colours, and with the impulses; then what a step ends with.
+static void assert_sends_for_each_colour(const cJSON *moving, const cJSON *still)
+{
+    double border = of_all_ranks(moving, "ghosts"); // two ranks: all of one border
+    double more = of_all_ranks(moving, "sent_bytes") - of_all_ranks(still, "sent_bytes");
+    assert_true(more == 2 * (113 * ceil(1.71 * border) + 3 * ceil(194.0 / 3 * border)));
+    assert_true(json_number(moving, "total_ms") >=
+                json_number(still, "total_ms") * (1 - border / 4000) + 116 * 0.02);
+    assert_true(json_number(moving, "colours_between") == 1);
+}
+
+// Of all numbers of colours that are tried one takes the least time.
+static void assert_best_is_told(const cJSON *moving)
+{
+    const cJSON *all = json_array(moving, "exchanges", 5);
+    double least = INFINITY, colours = 0;
+    for (int i = 0; i < 5; ++i) {
+        const cJSON *one = cJSON_GetArrayItem(all, i);
+        if (json_number(one, "total_ms") < least) {
+            least = json_number(one, "total_ms");
+            colours = json_number(one, "colours_between");
+        }
+    }
+    assert_true(colours > 0 && json_number(moving, "colours_between") == colours);
+    assert_true(json_number(moving, "total_ms") <= least * 1.001);
+}
+
+static void set_workload(const char *path, const char *effects, const char *variant)
+{
+    char change[160];
+    snprintf(change, sizeof change, "UPDATE workload SET effects = '%s'", effects);
+    test_store_run(path, change);
+    snprintf(change, sizeof change, "UPDATE profile SET variant_b = '%s'", variant);
+    test_store_run(path, change);
+}
+
 static void a_moving_profile_sends_for_each_colour(const char *path, const char *uid,
                                                    const cJSON *still)
 {
-    duet_error err = {0};
-    store *s = test_store_open(path, STORE_WRITE);
-    assert_ok(sql_script(s, "UPDATE workload SET effects = 'moving'", &err), err);
-    store_close(s);
-    cJSON *moving = forecast(path, uid, "--ranks 2 paper -n 4000 --set world=32");
-    double ghosts = of_all_ranks(moving, "ghosts");
-    double more = of_all_ranks(moving, "sent_bytes") - of_all_ranks(still, "sent_bytes");
-    assert_true(more >= 112 * 36 * ghosts / 7 && more <= 112 * 36 * (ghosts / 7 + 2));
-    assert_true(json_number(moving, "total_ms") >= json_number(still, "total_ms") + 112 * 0.02);
-    assert_true(json_number(moving, "efficiency") < json_number(still, "efficiency"));
-    s = test_store_open(path, STORE_WRITE);
-    assert_ok(sql_script(s, "UPDATE workload SET effects = ''", &err), err);
-    store_close(s);
+    static const char arguments[] = "--ranks 2 paper -n 4000 --set world=32";
+    set_workload(path, "moving", "auto motion.colours=1");
+    assert_sends_for_each_colour(forecast(path, uid, arguments), still);
+    set_workload(path, "moving", "auto motion.colours=7");
+    assert_true(json_number(forecast(path, uid, arguments), "colours_between") == 4);
+    set_workload(path, "moving", "auto");
+    assert_best_is_told(forecast(path, uid, arguments));
+    set_workload(path, "", "auto");
 }
 
 // One object that stands for K travels as K would, and takes a device as long.
