@@ -111,12 +111,12 @@ static void assert_stale_ids_are_refused(play *p)
 static void save_and_load(play *p)
 {
     uint32_t from = rng_below(&p->orders.r, PLAYERS), to = rng_below(&p->orders.r, PLAYERS);
-    assert_done(duet_motion_save(p->movers[from]->motion, saved, &err));
+    must(duet_motion_save(p->movers[from]->motion, saved, ERR));
     if (rng_below(&p->orders.r, 2)) {
         mover_restart(p->movers[to]);
         mover_run(p->movers[to], 0);
     }
-    assert_done(duet_motion_load(p->movers[to]->motion, saved, &err));
+    must(duet_motion_load(p->movers[to]->motion, saved, ERR));
 }
 
 // All go back to where they were once, or will come back to where they are.
@@ -125,9 +125,9 @@ static void remember_or_go_back(play *p)
     for (int k = 0; k < PLAYERS; ++k) {
         duet_motion *m = p->movers[k]->motion;
         if (p->has_past)
-            assert_done(duet_motion_load(m, past, &err));
+            must(duet_motion_load(m, past, ERR));
         else if (k == 0)
-            assert_done(duet_motion_save(m, past, &err));
+            must(duet_motion_save(m, past, ERR));
     }
     if (p->has_past)
         p->orders.known = p->past;
