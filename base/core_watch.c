@@ -209,8 +209,8 @@ static uint64_t most(uint64_t a, uint64_t b)
 // The threads' work and waits during a launch.
 typedef struct thread_sums {
     uint64_t longest_wait_ns;
-    uint64_t ran_ns;     // of all
-    uint64_t busiest_ns; // of those that the caller is not
+    uint64_t ran_ns;     // all threads'
+    uint64_t busiest_ns; // other threads than the caller
     uint64_t others_ns;
     uint32_t wanting; // threads that wanted a core for long
 } thread_sums;

@@ -15,7 +15,7 @@ static const int64_t limb_end = (int64_t)1 << LIMB;
 static void carry(int64_t limbs[EXACT_SUM_LIMBS])
 {
     for (int k = 0; k + 1 < EXACT_SUM_LIMBS; ++k) {
-        int64_t low = limbs[k] & (limb_end - 1); // of two's complement
+        int64_t low = limbs[k] & (limb_end - 1); // in two's complement
         limbs[k + 1] += (limbs[k] - low) / limb_end;
         limbs[k] = low;
     }

@@ -5,10 +5,9 @@
 
 #include <ctype.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { WIDEST = 78 }; // with the backslash 80
 
 static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                             "_-+=:,./@%";
@@ -117,33 +116,4 @@ void command_text_level(text *t, const level_options *options)
         command_text_option(t, "level", options->level);
     add_rate(t, "missed", options->missed);
     add_rate(t, "false-rate", options->false_rate);
-}
-
-// Characters up to the next option; words may be quoted.
-static size_t option_length(const char *at)
-{
-    bool quoted = false;
-    size_t n = 0;
-    for (; at[n] && (quoted || at[n] != ' ' || at[n + 1] != '-'); ++n) {
-        if (at[n] == '\'')
-            quoted = !quoted;
-        else if (!quoted && at[n] == '\\')
-            ++n;
-    }
-    return n;
-}
-
-void command_text_print(const char *command, FILE *out)
-{
-    int column = 0;
-    for (const char *at = command; *at; at += *at == ' ') {
-        int n = (int)option_length(at);
-        if (at > command && column + 1 + n > WIDEST)
-            column = 0;
-        if (at > command && column == 0)
-            fputs(" \\\n  ", out);
-        column += fprintf(out, "%s%.*s", column > 0 ? " " : "  ", n, at);
-        at += n;
-    }
-    fputc('\n', out);
 }

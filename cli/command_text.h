@@ -6,8 +6,6 @@
 
 #include "cli/inputs.h"
 
-#include <stdio.h>
-
 // Adds "--name value".
 void command_text_option(text *t, const char *name, const char *value);
 
@@ -26,9 +24,5 @@ void command_text_plan(text *t, double share, const char *mode, const char *vari
 
 // Adds --level, or --missed and --false-rate, if they were given.
 void command_text_level(text *t, const level_options *options);
-
-// Prints the command, indented by two blanks. Lines that would be wider than a terminal are
-// continued after a backslash.
-void command_text_print(const char *command, FILE *out);
 
 #endif

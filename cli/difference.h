@@ -7,7 +7,7 @@
 
 typedef struct difference {
     const char *stage; // NULL: nothing differs
-    uint64_t step;     // of the motions; 0: their start
+    uint64_t step;     // that both motions took; 0: their start
     uint64_t body;     // id, or DUET_NO_BODY: a number of all
     char field[64];    // "velocity.x"
     double values[2];  // NAN: that motion has none

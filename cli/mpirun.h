@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Ranks of a job that the program mpirun starts. What mpirun and the ranks write to stderr passes
+// Ranks of a job that the program mpirun starts. The stderr of mpirun and of the ranks passes
 // through, and one line follows if the job fails and no rank has said why.
 #ifndef CLI_MPIRUN_H
 #define CLI_MPIRUN_H

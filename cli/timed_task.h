@@ -6,7 +6,7 @@
 #include "cli/timed.h"
 #include "runtime/task/task_launch.h"
 
-// As timed_run: once to warm up, and then repeat times. It has no pairs and no hash.
+// Runs it as timed_run does: once to warm up, and then repeat times. It has no pairs and no hash.
 bool timed_task_run(timed *t, task_launcher *l, const duet_device_pair *pair, const duet_plan *plan,
                     uint32_t repeat, duet_error *err);
 

@@ -7,7 +7,7 @@
 #include "cli/inputs.h"
 
 typedef struct verified_run {
-    const char *selectors; // as --pair takes them; NULL: the default pair
+    const char *selectors; // in the form of --pair; NULL: the default pair
     plan_options plan;
     const char *path; // a recording; NULL: no commands
     duet_device_pair *pair;

@@ -81,7 +81,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
     double most_parts = def->parts < MOST_PARTS ? def->parts : MOST_PARTS;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);
     if (ok) {
-        ranks_greatest(&c->ranks, &most_parts, 1);
+        most_parts = ranks_greatest(&c->ranks, most_parts);
         c->migration.owned = &c->owned;
         c->migration.partition = &c->partition;
         c->migration.workers = c->workers;

@@ -70,8 +70,7 @@ bool duet_cluster_advance(duet_cluster *c, duet_cluster_motion_result *result, d
         return error_copy(err, &own);
     }
     moving_counts counts = moving_get_counts(c->moving);
-    double total_ms = (double)(ranks_now_ns() - begun_ns) * 1e-6;
-    ranks_greatest(&c->ranks, &total_ms, 1);
+    double total_ms = ranks_greatest(&c->ranks, (double)(ranks_now_ns() - begun_ns) * 1e-6);
     const moving_told told = moving_get_told(c->moving);
     *result = (duet_cluster_motion_result){.step = counts.step,
                                            .bodies = counts.bodies,

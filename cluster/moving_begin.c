@@ -258,7 +258,7 @@ static bool begin_bodies(moving *m, const duet_motion *known, duet_error *own)
 static void forget_told(const moving *m, const item_list *contacts)
 {
     for (uint64_t i = 0; m->counts.step == 0 && i < contacts->n; ++i)
-        moving_contact_at(m, contacts, i)->told = 0;
+        moving_contact_at(m, contacts, i)->told_by = TOLD_BY_NONE;
 }
 
 // All bodies are the first domain's own until they migrate.

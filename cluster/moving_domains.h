@@ -42,8 +42,10 @@ typedef struct moving_contact {
     uint32_t domain;
     uint32_t owner, other; // ids; n_all + k for what never moves
     uint32_t touch, colour;
-    uint32_t told; // 1: it touches, and events tell of it
+    uint32_t told_by; // the id of the end whose domain tells that it touches
 } moving_contact;
+
+#define TOLD_BY_NONE UINT32_MAX
 
 // A contact of two ghosts, by ids.
 typedef struct left_contact {
@@ -151,6 +153,15 @@ static inline bool moving_decides_at(const moving_domain *d, uint32_t place)
 static inline bool moving_decides_contact(const moving_domain *d, const uint32_t ends[2])
 {
     return moving_decides_at(d, ends[0]) || moving_decides_at(d, ends[1]);
+}
+
+// Whether events tell of a contact of two places by its other end: by the lesser one that acts, in
+// whose domain all is known of it, though commands change who owns it; else by the owner.
+static inline bool moving_other_tells(const moving *m, const moving_domain *d, uint32_t owner,
+                                      uint32_t other)
+{
+    const moving_body *a = moving_body_or_wall(m, d, owner), *b = moving_body_or_wall(m, d, other);
+    return b && b->acts && !(a && a->acts && a->id < b->id);
 }
 
 // Whether the body at a place moves and is another domain's.

@@ -41,7 +41,7 @@ static void add_told(moving *m, const moving_domain *d, duet_error *own)
 {
     for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        if (c->told && moving_owns(m, d, moving_place(m, d, c->owner)))
+        if (moving_owns(m, d, moving_place(m, d, c->told_by)))
             add_pair(m, &m->events.now, c->owner, c->other, own);
     }
 }
@@ -64,7 +64,8 @@ static void add_touching(moving *m, const moving_domain *d, duet_error *own)
     else if (domain_read_told(d->motion, told, own))
         for (size_t i = 0; d->bodies.n > 0 && is_well(own) && i < e->links.n; ++i) {
             duet_pair link = e->links.pairs[i];
-            if (told[i] && moving_owns(m, d, link.a))
+            uint32_t by = moving_other_tells(m, d, link.a, link.b) ? link.b : link.a;
+            if (told[i] && moving_owns(m, d, by))
                 add_pair(m, &m->events.now, moving_id(m, d, link.a), moving_id(m, d, link.b), own);
         }
     free(told);

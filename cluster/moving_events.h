@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Which pairs touch, over all domains: a contact is told by the domain whose own its owner was in
-// the step. So what one rank tells is known to it alone, and all ranks together tell what one
-// motion does.
+// Which pairs touch, over all domains: a contact is told by one of them, that of an end
+// (moving_other_tells). So what one rank tells is known to it alone, and all ranks together tell
+// what one motion does.
 #ifndef CLUSTER_MOVING_EVENTS_H
 #define CLUSTER_MOVING_EVENTS_H
 

@@ -60,8 +60,8 @@ typedef struct contact_row {
 } contact_row;
 
 // The domain that a contact goes to for an end of it: the next one of an own body that acts, or is
-// the owner, whose domain tells that the contact ended; and of another's body which commands made
-// act, since its own domain has not seen the contact. UINT32_MAX: none.
+// the owner, whose domain may tell that the contact ended; and of another's body which commands
+// made act, since its own domain has not seen the contact. UINT32_MAX: none.
 static uint32_t next_of(const moving *m, const moving_domain *d, const moving_body *b,
                         bool is_owner)
 {
@@ -99,11 +99,12 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
     const uint32_t *ends = from->links[i].s;
     if (!is_right(m, d, ends))
         return;
+    const uint32_t by = ends[moving_other_tells(m, d, ends[0], ends[1])];
     contact_row row = {.head = {.owner = moving_id(m, d, ends[0]),
                                 .other = moving_id(m, d, ends[1]),
                                 .touch = from->touches[i],
                                 .colour = from->colours[i],
-                                .told = is_told}};
+                                .told_by = is_told ? moving_id(m, d, by) : TOLD_BY_NONE}};
     memcpy(row.record, (const char *)from->records + i * record, record);
     const uint32_t next[2] = {next_of(m, d, moving_body_or_wall(m, d, ends[0]), true),
                               next_of(m, d, moving_body_or_wall(m, d, ends[1]), false)};

@@ -46,9 +46,7 @@ static bool share_weights(partition *p, ranks *r, double weight, duet_error *err
 
 bool partition_weigh(partition *p, ranks *r, double speed)
 {
-    double least = speed > 0 ? -speed : 0;
-    ranks_greatest(r, &least, 1);
-    if (!(least < 0))
+    if (!(ranks_greatest(r, speed > 0 ? -speed : 0) < 0))
         return false;
     ranks_gather(r, &speed, p->weights, sizeof speed);
     keep_weights(p, r);

@@ -239,9 +239,10 @@ void ranks_least(ranks *r, uint64_t *values, int n)
     RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_MIN, r->comm));
 }
 
-void ranks_greatest(ranks *r, double *values, int n)
+double ranks_greatest(ranks *r, double value)
 {
-    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_DOUBLE, MPI_MAX, r->comm));
+    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, r->comm));
+    return value;
 }
 
 uint64_t ranks_sum_before(ranks *r, uint64_t value)

@@ -105,7 +105,7 @@ void ranks_await_end(ranks *r, const char *call);
 void ranks_wait(ranks *r); // until all are here
 void ranks_sum(ranks *r, uint64_t *values, int n);
 void ranks_least(ranks *r, uint64_t *values, int n);
-void ranks_greatest(ranks *r, double *values, int n);
+double ranks_greatest(ranks *r, double value);
 uint64_t ranks_sum_before(ranks *r, uint64_t value); // over the ranks below this one
 // all is [n of ranks][bytes].
 void ranks_gather(ranks *r, const void *own, void *all, int bytes);

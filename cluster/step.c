@@ -162,8 +162,7 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     c->state = c->own.lists ? STATE_LISTED : STATE_FOUND;
     c->step = t.sums[3] > 0 ? STEP_STOPPED : STEP_ENDED;
     keep_times(c, begun_ns);
-    double total_ms = ms_since(begun_ns);
-    ranks_greatest(&c->ranks, &total_ms, 1);
+    double total_ms = ranks_greatest(&c->ranks, ms_since(begun_ns));
     *result = (duet_cluster_result){
         .objects = t.sums[0], .pairs = t.sums[1], .hash = t.sums[2], .total_ms = total_ms};
     balance_ranks(c, !was_cold && c->migration.n_partitions == n_partitions);

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "gen/gen.h"
 #include "base/blob.h"
+#include "base/list.h"
 #include "gen/kernel.h"
 
 #include <dirent.h>
@@ -30,9 +31,9 @@ static bool add_kernel(gen *g, const char *path, duet_error *err)
     size_t folder = (size_t)(name - path), length = card_length(name);
     if (length == 0)
         return true;
-    kernel *grown = realloc(g->kernels, (g->n_kernels + 1) * sizeof *grown);
+    kernel *grown = list_room(g->kernels, g->n_kernels, sizeof *grown, err);
     if (!grown)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "the list of kernels: no memory");
+        return false;
     g->kernels = grown;
     kernel *k = &grown[g->n_kernels];
     if (length >= sizeof k->name || folder >= sizeof k->folder)

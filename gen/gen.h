@@ -21,8 +21,8 @@ typedef struct gen gen;
 gen *gen_open(const char *kernel_dir, duet_error *err);
 void gen_close(gen *g);
 
-// Adds a kernel that no file has, in the place of one of that name. Card and text are copied. What
-// was read of the kernels before is no longer valid.
+// Adds a kernel that no file has, in the place of one of that name. Card and text are copied. All
+// that was read of the kernels before is invalid.
 bool gen_add(gen *g, const char *name, const char *card_text, const char *body, duet_error *err);
 
 // Limits of a device, which decide which configs are valid.
@@ -88,7 +88,7 @@ typedef struct gen_variant {
     char *text;         // OpenCL C; owned, given back by gen_variant_free
     uint32_t group;     // work-group size that the card asks for
     uint32_t per_item;  // work-units (objects, pairs, cells) one work-item does
-    uint32_t n_axes;    // of its launches: 1, and up to 3 for a task's kernel
+    uint32_t n_axes;    // that its launches have: 1, and up to 3 for a task's kernel
     gen_axis more[2];   // along the second and the third
     gen_entry *entries; // owned like text
     uint32_t n_entries;

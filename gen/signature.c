@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gen/signature.h"
+#include "base/list.h"
 #include "gen/field.h"
 
 #include <lauxlib.h>
@@ -161,7 +162,7 @@ void signature_read(lua_State *L, int table, signature **list, uint32_t *n)
     if (!field_push(L, table, "args", LUA_TTABLE))
         return;
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        signature *grown = realloc(*list, (*n + 1) * sizeof **list);
+        signature *grown = list_room(*list, *n, sizeof **list, NULL);
         if (!grown)
             luaL_error(L, "no memory");
         *list = grown;

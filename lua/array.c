@@ -112,9 +112,9 @@ void array_own(array *a, void *rows, uint64_t n)
 }
 
 void array_push_view(lua_State *L, array_kind kind, array_access access, void *rows, uint64_t n,
-                     int owner_index, const uint64_t *epoch)
+                     const uint64_t *epoch)
 {
-    array *a = class_push_of(L, &kinds[kind].class, sizeof *a, owner_index);
+    array *a = class_push_of(L, &kinds[kind].class, sizeof *a, 1);
     *a = (array){kind, access, rows, n, epoch, *epoch};
 }
 
@@ -287,10 +287,10 @@ static int make(lua_State *L)
 
 // ---------------------------------------------------------------- reading
 
-array *array_test(lua_State *L, int index)
+array *array_test(lua_State *L)
 {
     for (int kind = 0; kind < ARRAY_KINDS; ++kind) {
-        array *a = luaL_testudata(L, index, kinds[kind].class.name);
+        array *a = luaL_testudata(L, 1, kinds[kind].class.name);
         if (a)
             return a;
     }
@@ -306,7 +306,7 @@ static void check_alive(lua_State *L, int index, const array *a)
 
 static array *check_self(lua_State *L)
 {
-    array *a = array_test(L, 1);
+    array *a = array_test(L);
     if (!a)
         luaL_typeerror(L, 1, "duet.poses or another array");
     check_alive(L, 1, a);
@@ -492,7 +492,7 @@ static int separation(lua_State *L)
 
 static int array_close(lua_State *L)
 {
-    array *a = array_test(L, 1);
+    array *a = array_test(L);
     if (!a)
         return luaL_typeerror(L, 1, "duet.poses or another array");
     if (a->access == ARRAY_OWNED) {

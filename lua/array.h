@@ -77,16 +77,16 @@ void array_push_copy(lua_State *L, array_kind kind, const void *rows, uint64_t n
 array *array_push_empty(lua_State *L, array_kind kind);
 void array_own(array *a, void *rows, uint64_t n);
 
-// Pushes a view of rows that the userdata at owner_index has. access: open or fixed.
+// Pushes a view of rows that the userdata at 1 has. access: open or fixed.
 void array_push_view(lua_State *L, array_kind kind, array_access access, void *rows, uint64_t n,
-                     int owner_index, const uint64_t *epoch);
+                     const uint64_t *epoch);
 
 // The rows at index: an array, a string of packed rows, a table of rows or of
 // numbers; the latter become an array, which takes their place at index.
 const array *array_check(lua_State *L, int index, array_kind kind);
 
-// The array at index; NULL if there is something else.
-array *array_test(lua_State *L, int index);
+// The array at 1; NULL if there is something else.
+array *array_test(lua_State *L);
 
 // The objects that rows of poses, bounds, transforms, sizes, rounded boxes, spheres or large poses
 // are.

@@ -348,8 +348,8 @@ static int cluster_map_owned(lua_State *L)
         box->calls->map_owned(box->cluster.object, array_object_kind(box->rows), &ids, &n, &err);
     if (!owned)
         return class_push_failure(L, &err);
-    array_push_view(L, box->rows, ARRAY_OPEN, owned, n, 1, &box->maps);
-    array_push_view(L, ARRAY_IDS, ARRAY_FIXED, (void *)ids, n, 1, &box->maps);
+    array_push_view(L, box->rows, ARRAY_OPEN, owned, n, &box->maps);
+    array_push_view(L, ARRAY_IDS, ARRAY_FIXED, (void *)ids, n, &box->maps);
     return 2;
 }
 
@@ -410,7 +410,7 @@ static int cluster_own_pairs(lua_State *L)
     cluster_box *box = check(L);
     if (!box->calls->get_own_pairs(box->cluster.object, &pairs, &n, &err))
         return class_push_failure(L, &err);
-    array_push_view(L, ARRAY_PAIRS64, ARRAY_FIXED, (void *)pairs, n, 1, &box->steps);
+    array_push_view(L, ARRAY_PAIRS64, ARRAY_FIXED, (void *)pairs, n, &box->steps);
     return 1;
 }
 
@@ -528,7 +528,7 @@ static int cluster_user_data(lua_State *L)
 {
     duet_error err = {0};
     cluster_box *box = check(L);
-    duet_body_list list = command_check_list_lua(L, 2);
+    duet_body_list list = command_check_list_lua(L);
     array *data = array_push(L, ARRAY_IDS, list.n);
     return box->calls->get_user_data(box->cluster.object, list, data->rows, &err)
                ? 1

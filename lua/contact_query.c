@@ -29,7 +29,7 @@ static int query_create(lua_State *L)
 {
     duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = device_pair_check(L, 1);
+    def.pair = device_pair_check(L);
     member_read_table(L, 2, "a contact query", def_members, &def);
     query_box *box = class_push_of(L, &query_class, sizeof *box, 1);
     box->shape = def.shape;

@@ -105,9 +105,9 @@ static const member def_members[] = {
     {0},
 };
 
-duet_device_pair *device_pair_check(lua_State *L, int index)
+duet_device_pair *device_pair_check(lua_State *L)
 {
-    return class_object(L, index, &pair_class);
+    return class_object(L, 1, &pair_class);
 }
 
 // By a def, or by a string as --pair takes it.
@@ -132,7 +132,7 @@ static int pair_open(lua_State *L)
 static int pair_device(lua_State *L)
 {
     static const char *const names[] = {"A", "B", NULL};
-    const duet_device_pair *pair = device_pair_check(L, 1);
+    const duet_device_pair *pair = device_pair_check(L);
     int device = luaL_checkoption(L, 2, NULL, names);
     push_device(L, duet_device_pair_get_info(pair, device));
     return 1;
@@ -140,7 +140,7 @@ static int pair_device(lua_State *L)
 
 static int pair_about(lua_State *L)
 {
-    const duet_device_pair *pair = device_pair_check(L, 1);
+    const duet_device_pair *pair = device_pair_check(L);
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
     if (duet_device_pair_is_one(pair))
@@ -152,14 +152,14 @@ static int pair_about(lua_State *L)
 
 static int pair_plan(lua_State *L)
 {
-    duet_plan plan = duet_default_plan(device_pair_check(L, 1));
+    duet_plan plan = duet_default_plan(device_pair_check(L));
     return plan_push(L, &plan);
 }
 
 static int pair_check_cache(lua_State *L)
 {
     duet_error err = {0};
-    bool ok = duet_device_pair_check_cache(device_pair_check(L, 1), &err);
+    bool ok = duet_device_pair_check_cache(device_pair_check(L), &err);
     return class_push_done(L, ok, &err);
 }
 

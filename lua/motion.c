@@ -62,7 +62,7 @@ static int motion_create(lua_State *L)
 {
     duet_error err = {0};
     lua_settop(L, 4);
-    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L);
     bool of_scene = luaL_testudata(L, 2, "duet.scene");
     motion_objects o =
         of_scene ? objects_of_scene(L, scene_check(L, 2), pair) : objects_of_arrays(L, pair);

@@ -8,8 +8,9 @@
 
 // ---------------------------------------------------------------- lists
 
-duet_body_list command_check_list_lua(lua_State *L, int index)
+duet_body_list command_check_list_lua(lua_State *L)
 {
+    const int index = 2;
     if (lua_type(L, index) == LUA_TTABLE && lua_getfield(L, index, "first") != LUA_TNIL) {
         lua_getfield(L, index, "n");
         lua_Integer first = luaL_checkinteger(L, -2), n = luaL_checkinteger(L, -1);
@@ -97,7 +98,7 @@ static const member def_members[] = {
 static void read_listed(lua_State *L, command *c)
 {
     int at = 3;
-    c->list = command_check_list_lua(L, 2);
+    c->list = command_check_list_lua(L);
     if (c->op->form == COMMAND_FIELDS)
         c->fields = check_fields(L, at++);
     if (c->op->rows)
@@ -181,7 +182,7 @@ static int get_user_data(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
-    duet_body_list list = command_check_list_lua(L, 2);
+    duet_body_list list = command_check_list_lua(L);
     array *data = array_push(L, ARRAY_IDS, list.n);
     return duet_motion_get_user_data(motion, list, data->rows, &err) ? 1
                                                                      : class_push_failure(L, &err);
@@ -214,7 +215,7 @@ static int map_states(lua_State *L)
         return class_push_failure(L, &err);
     array_push_view(
         L, duet_motion_get_def(motion)->doubles ? ARRAY_DOUBLE_STATE_ROWS : ARRAY_STATE_ROWS,
-        access == DUET_MAP_READ ? ARRAY_FIXED : ARRAY_OPEN, rows, (uint64_t)n, 1, &maps[part]);
+        access == DUET_MAP_READ ? ARRAY_FIXED : ARRAY_OPEN, rows, (uint64_t)n, &maps[part]);
     return 1;
 }
 

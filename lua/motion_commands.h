@@ -15,7 +15,7 @@ command command_read_lua(lua_State *L, duet_motion_def *def);
 // Pushes what the method returns.
 int command_push_lua(lua_State *L, const command *c, bool ok, const duet_error *err);
 
-// ids, or { first = place, n = count }, or one id.
-duet_body_list command_check_list_lua(lua_State *L, int index);
+// The bodies at 2: ids, or { first = place, n = count }, or one id.
+duet_body_list command_check_list_lua(lua_State *L);
 
 #endif

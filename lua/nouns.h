@@ -31,7 +31,7 @@ const char *query_wants_name(int wants);
 duet_level level_check(lua_State *L, int index);
 extern const member_type member_accuracy; // a duet_accuracy as a table
 
-duet_device_pair *device_pair_check(lua_State *L, int index);
+duet_device_pair *device_pair_check(lua_State *L); // the one at 1
 
 // Advances the motion at the index in this way, and pushes the result, or the failure.
 typedef bool advance_call(void *by, duet_motion *motion, duet_motion_result *result,
@@ -40,9 +40,9 @@ int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by);
 // The same, after the motion's script.
 int motion_run_by(lua_State *L, int index, advance_call *advance, void *by);
 
-duet_tree *tree_check(lua_State *L, int index);
+duet_tree *tree_check(lua_State *L); // the one at 1
 enum { TREE_LARGE_POSES = DUET_SHAPES };
-int tree_shape(lua_State *L, int index); // shape of its objects, a duet_shape, or TREE_LARGE_POSES
+int tree_shape(lua_State *L); // shape of its objects, a duet_shape, or TREE_LARGE_POSES
 
 array_kind shape_array_kind(int shape); // or TREE_LARGE_POSES
 
@@ -59,7 +59,7 @@ typedef struct world_box {
     uint32_t onlines;   // online plans that step it
 } world_box;
 
-world_box *world_check(lua_State *L, int index);
+world_box *world_check(lua_State *L);    // the one at 1
 void world_forget_views(world_box *box); // objects mapped before are not sent again
 
 duet_task *task_check_lua(lua_State *L, int index);

@@ -58,7 +58,7 @@ static online_box *check_follows(lua_State *L, followed kind)
 static int world_online(lua_State *L)
 {
     duet_error err = {0};
-    world_box *world = world_check(L, 1);
+    world_box *world = world_check(L);
     duet_mode modes[32];
     online_def o = {.def = duet_default_online_def()};
     member_read_table(L, 2, "an online plan", online_members, &o);

@@ -23,7 +23,7 @@ static const member result_members[] = {
 static int query_create(lua_State *L)
 {
     duet_error err = {0};
-    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L);
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = pair;
     def.share = duet_default_plan(pair).share;

@@ -172,7 +172,7 @@ static int push_loaded(lua_State *L, bool ok, const duet_profile *profile, const
         bool ok = duet_##what##_load_profile(o, path, &profile, &err); \
         return push_loaded(L, ok, &profile, &err);                     \
     }
-LOAD_PROFILE(world, duet_world, world_check(L, 1)->world)
+LOAD_PROFILE(world, duet_world, world_check(L)->world)
 LOAD_PROFILE(motion, duet_motion, motion_check_lua(L))
 LOAD_PROFILE(task, duet_task, task_check_lua(L, 1))
 
@@ -181,7 +181,7 @@ static int tree_load_profile(lua_State *L)
 {
     duet_error err = {0};
     duet_profile profile;
-    duet_tree *tree = tree_check(L, 1);
+    duet_tree *tree = tree_check(L);
     const char *query = luaL_checkstring(L, 2);
     lua_Integer n = luaL_checkinteger(L, 3);
     luaL_argcheck(L, n > 0, 3, "a number of items above 0");
@@ -195,7 +195,7 @@ static int world_explain_profile(lua_State *L)
 {
     duet_error err = {0};
     char *why = NULL;
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     const char *path = check_store(L, 2);
     lua_handle *memory = class_push(L, &memory_class, sizeof *memory);
     if (!duet_world_explain_profile(box->world, path, &why, &err))

@@ -115,7 +115,7 @@ static int scene_make(lua_State *L)
         return scene_load(L);
     lua_Integer dims = luaL_optinteger(L, 2, 3);
     luaL_argcheck(L, dims == 2 || dims == 3, 2, "2 or 3 dimensions");
-    const array *given = array_test(L, 1);
+    const array *given = array_test(L);
     bool others = given && (given->kind == ARRAY_BOUNDS || given->kind == ARRAY_ROUNDED_BOXES ||
                             given->kind == ARRAY_SPHERES);
     array_kind rows = others ? given->kind : ARRAY_POSES;
@@ -159,7 +159,7 @@ static int push_rows(lua_State *L, array_kind kind, const void *rows)
         lua_pushnil(L);
         return 1;
     }
-    array_push_view(L, kind, ARRAY_FIXED, (void *)rows, duet_scene_get_info(box->scene)->n, 1,
+    array_push_view(L, kind, ARRAY_FIXED, (void *)rows, duet_scene_get_info(box->scene)->n,
                     &box->closings);
     return 1;
 }

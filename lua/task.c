@@ -57,7 +57,7 @@ static int task_create(lua_State *L)
 {
     duet_error err = {0};
     duet_task_def def = duet_default_task_def();
-    def.pair = device_pair_check(L, 1);
+    def.pair = device_pair_check(L);
     def.path = luaL_checkstring(L, 2);
     def.settings = scene_read_settings(L, 3, &def.n_settings);
     check_policy(L);

@@ -28,7 +28,7 @@ static const member def_members[] = {
 static int tree_create(lua_State *L)
 {
     duet_error err = {0};
-    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L);
     duet_motion *motion = lua_isuserdata(L, 2) ? motion_check_at(L, 2) : NULL;
     duet_tree_def def = duet_motion_tree_def(motion);
     def.pair = pair;
@@ -40,9 +40,9 @@ static int tree_create(lua_State *L)
     return ok ? 1 : class_push_failure(L, &err);
 }
 
-duet_tree *tree_check(lua_State *L, int index)
+duet_tree *tree_check(lua_State *L)
 {
-    return class_object(L, index, &tree_class);
+    return class_object(L, 1, &tree_class);
 }
 
 static const array_kind rows_of[DUET_SHAPES + 1] = {
@@ -58,9 +58,9 @@ array_kind shape_array_kind(int shape)
     return rows_of[shape];
 }
 
-int tree_shape(lua_State *L, int index)
+int tree_shape(lua_State *L)
 {
-    return ((const tree_box *)class_check(L, index, &tree_class))->shape;
+    return ((const tree_box *)class_check(L, 1, &tree_class))->shape;
 }
 
 // Pushes the tree at 1 if what was asked of it is done, else nil and an error.
@@ -89,7 +89,7 @@ static int tree_set_objects(lua_State *L)
 static int tree_set_motion(lua_State *L)
 {
     duet_error err = {0};
-    return push_tree(L, duet_tree_set_motion(tree_check(L, 1), motion_check_at(L, 2), &err), &err);
+    return push_tree(L, duet_tree_set_motion(tree_check(L), motion_check_at(L, 2), &err), &err);
 }
 
 // The table behind a tree, which becomes the only other argument; nil: there is none.
@@ -105,7 +105,7 @@ static bool check_ground(lua_State *L)
 static int tree_set_heights(lua_State *L)
 {
     duet_error err = {0};
-    duet_tree *tree = tree_check(L, 1);
+    duet_tree *tree = tree_check(L);
     const duet_heights *heights = check_ground(L) ? motion_push_heights(L) : NULL;
     return push_tree(L, duet_tree_set_heights(tree, heights, &err), &err);
 }
@@ -114,7 +114,7 @@ static int tree_set_heights(lua_State *L)
 static int tree_set_mesh(lua_State *L)
 {
     duet_error err = {0};
-    duet_tree *tree = tree_check(L, 1);
+    duet_tree *tree = tree_check(L);
     const duet_mesh *mesh = check_ground(L) ? motion_push_mesh(L) : NULL;
     return push_tree(L, duet_tree_set_mesh(tree, mesh, &err), &err);
 }
@@ -123,7 +123,7 @@ static int tree_set_mesh(lua_State *L)
 static int tree_set_filters(lua_State *L)
 {
     duet_error err = {0};
-    duet_tree *tree = tree_check(L, 1);
+    duet_tree *tree = tree_check(L);
     const array *filters = array_check(L, 2, ARRAY_FILTERS);
     luaL_argcheck(L, filters->n <= UINT32_MAX, 2, "fewer than 2^32 rows");
     return push_tree(L, duet_tree_set_filters(tree, filters->rows, (uint32_t)filters->n, &err),
@@ -134,7 +134,7 @@ static int tree_set_filters(lua_State *L)
 static int tree_set_share(lua_State *L)
 {
     duet_error err = {0};
-    duet_tree *tree = tree_check(L, 1);
+    duet_tree *tree = tree_check(L);
     lua_Number share = luaL_checknumber(L, 2);
     luaL_argcheck(L, share >= 0 && share <= 1, 2, "a share from 0 to 1");
     return push_tree(L, duet_tree_set_share(tree, (uint32_t)lround(share * DUET_SHARE_ONE), &err),

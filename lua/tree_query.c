@@ -125,11 +125,11 @@ static int create(lua_State *L)
     query_item item = (query_item)lua_tointeger(L, lua_upvalueindex(1));
     const query_kind *kind = &kinds[item];
     query_def def = {.asked = {.name = {.item = item}}};
-    duet_tree *tree = tree_check(L, 1);
+    duet_tree *tree = tree_check(L);
     member_read_table(L, 2, kind->noun, kind->members, &def);
     query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->item = item;
-    box->takes = kind->takes[tree_shape(L, 1)];
+    box->takes = kind->takes[tree_shape(L)];
     box->query.object = any_query_create(tree, &def.asked, &err);
     return box->query.object ? 1 : class_push_failure(L, &err);
 }

@@ -258,7 +258,7 @@ static int pair_tune(lua_State *L)
     duet_mode modes[32];
     duet_level levels[32];
     tune_def t = {.def = duet_default_tune_def()};
-    t.def.pair = device_pair_check(L, 1);
+    t.def.pair = device_pair_check(L);
     t.def.task = task_file_test(L, 2);
     t.def.scene = t.def.task ? NULL : scene_check(L, 2);
     lua_settop(L, 3);

@@ -24,10 +24,10 @@ static const member def_members[] = {
     {0},
 };
 
-world_box *world_check(lua_State *L, int index)
+world_box *world_check(lua_State *L)
 {
-    world_box *box = luaL_checkudata(L, index, world_class.name);
-    luaL_argcheck(L, box->world, index, "the world is closed");
+    world_box *box = luaL_checkudata(L, 1, world_class.name);
+    luaL_argcheck(L, box->world, 1, "the world is closed");
     return box;
 }
 
@@ -71,7 +71,7 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
 static int world_create(lua_State *L)
 {
     duet_error err = {0};
-    duet_device_pair *pair = device_pair_check(L, 1);
+    duet_device_pair *pair = device_pair_check(L);
     const duet_scene *scene = lua_isuserdata(L, 2) ? scene_check(L, 2) : NULL;
     duet_world_def def = read_def(L, pair, scene, scene ? 3 : 2);
     world_box *box = class_push_of(L, &world_class, sizeof *box, 1);
@@ -109,7 +109,7 @@ static int world_set_objects(lua_State *L)
 {
     duet_error err = {0};
     array_kind rows = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     const array *a = array_check(L, 2, rows);
     bool ok = duet_world_set_objects(box->world, array_object_kind(rows), a->rows,
                                      check_number(L, 2, a), &err);
@@ -120,7 +120,7 @@ static int world_set_objects(lua_State *L)
 static int world_set_scene(lua_State *L)
 {
     duet_error err = {0};
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     bool ok = duet_world_set_scene(box->world, scene_check(L, 2), &err);
     world_forget_views(box);
     return class_push_done(L, ok, &err);
@@ -134,7 +134,7 @@ static int world_map_objects(lua_State *L)
 {
     duet_error err = {0};
     array_kind rows = (array_kind)lua_tointeger(L, lua_upvalueindex(1));
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     uint64_t *maps = rows == ARRAY_SIZES ? &box->size_maps : &box->maps;
     lua_Integer n = luaL_checkinteger(L, 2);
     luaL_argcheck(L, n >= 0 && n <= UINT32_MAX, 2, "a number of objects from 0 to 2^32 - 1");
@@ -142,7 +142,7 @@ static int world_map_objects(lua_State *L)
     void *memory = duet_world_map_objects(box->world, array_object_kind(rows), (uint32_t)n, &err);
     if (!memory)
         return class_push_failure(L, &err);
-    array_push_view(L, rows, ARRAY_OPEN, memory, (uint64_t)n, 1, maps);
+    array_push_view(L, rows, ARRAY_OPEN, memory, (uint64_t)n, maps);
     return 1;
 }
 
@@ -150,7 +150,7 @@ static int world_order(lua_State *L)
 {
     duet_error err = {0};
     uint32_t *order = NULL, n = 0;
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     array *a = array_push_empty(L, ARRAY_PLACES);
     if (!duet_world_order(box->world, &order, &n, &err))
         return class_push_failure(L, &err);
@@ -163,14 +163,14 @@ static int world_order(lua_State *L)
 // world:plan(), or nil while a step is under way
 static int world_plan(lua_State *L)
 {
-    return plan_push(L, duet_world_get_plan(world_check(L, 1)->world));
+    return plan_push(L, duet_world_get_plan(world_check(L)->world));
 }
 
 // Fields that the table leaves out stay as they are.
 static int world_set_plan(lua_State *L)
 {
     duet_error err = {0};
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     const duet_plan *now = duet_world_get_plan(box->world);
     duet_plan plan = now ? *now : duet_default_plan(NULL);
     plan_read(L, &plan);
@@ -179,14 +179,14 @@ static int world_set_plan(lua_State *L)
 
 static int world_level(lua_State *L)
 {
-    lua_pushstring(L, level_name(duet_world_get_level(world_check(L, 1)->world)));
+    lua_pushstring(L, level_name(duet_world_get_level(world_check(L)->world)));
     return 1;
 }
 
 static int world_set_level(lua_State *L)
 {
     duet_error err = {0};
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     return class_push_done(L, duet_world_set_level(box->world, level_check(L, 2), &err), &err);
 }
 
@@ -194,7 +194,7 @@ static int world_step(lua_State *L)
 {
     duet_error err = {0};
     duet_result result = {0};
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     ++box->steps;
     world_forget_views(box);
     if (!duet_world_step(box->world, &result, &err))
@@ -206,7 +206,7 @@ static int world_step(lua_State *L)
 static int world_step_begin(lua_State *L)
 {
     duet_error err = {0};
-    world_box *box = world_check(L, 1);
+    world_box *box = world_check(L);
     bool ok = duet_world_step_begin(box->world, &err);
     if (ok) {
         ++box->steps;
@@ -219,7 +219,7 @@ static int world_step_end(lua_State *L)
 {
     duet_error err = {0};
     duet_result result = {0};
-    if (!duet_world_step_end(world_check(L, 1)->world, &result, &err))
+    if (!duet_world_step_end(world_check(L)->world, &result, &err))
         return class_push_failure(L, &err);
     result_push(L, 1, &result);
     return 1;
@@ -253,7 +253,7 @@ static const lua_shared shared[] = {
 // Says what its next step does.
 static int world_about(lua_State *L)
 {
-    const duet_world *world = world_check(L, 1)->world;
+    const duet_world *world = world_check(L)->world;
     const duet_plan *plan = duet_world_get_plan(world);
     if (!plan) {
         lua_pushliteral(L, "a step is under way");

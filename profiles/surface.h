@@ -15,7 +15,7 @@ typedef struct profile_surface {
     char a[160]; // the devices, with their parts
     char b[160];
     char level[16];
-    bool joint;                      // of kernels and share together
+    bool joint;                      // kernels and share together vary
     char variant_a[PROFILE_VARIANT]; // one of several if joint
     char variant_b[PROFILE_VARIANT];
     int64_t pair_id;
@@ -28,7 +28,7 @@ typedef struct profile_surface {
 typedef struct profile_launch {
     uint32_t share;
     char mode[16];                   // "own" for one device alone, which has no mode
-    char variant_a[PROFILE_VARIANT]; // of a joint surface: empty for a device without work
+    char variant_a[PROFILE_VARIANT]; // that a joint surface has: empty for a device without work
     char variant_b[PROFILE_VARIANT];
     bool warm_up;
     int64_t total_ns;

@@ -104,7 +104,7 @@ DUET_API bool duet_motion_copy_states(duet_motion *motion, duet_state_part part,
 // duet_task_set_array or another call. A device of the buffer's context works on the buffer in
 // place; the other device gets its part through the host in each run, and what it wrote comes back
 // into the buffer. If both devices are of that context, only B writes in place, and a "sum" is
-// added on the host. What the kernel wrote is in the buffer when duet_task_run returns.
+// added on the host. The kernel's results are in the buffer when duet_task_run returns.
 //
 // A run reads the buffer after `events` [n_events], and after all that the caller enqueued before
 // this call in the pair's queues of that context, as duet_world_set_objects_buffer does. To use

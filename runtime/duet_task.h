@@ -17,11 +17,11 @@ DUET_C_BEGIN
 
 // ---------------------------------------------------------------- what a task is
 
-// An argument of a task that has no file. What is zero or NULL a task file would leave out.
+// An argument of a task that has no file. A task file would leave out what is zero or NULL.
 typedef struct duet_task_arg_def {
     const char *name;     // the card's
     double number;        // unless it is an array; duet_task_set_integer sets those of 64 bits
-    const char *type;     // of an element of an array, "float4"; NULL: it is a number
+    const char *type;     // an array's element, "float4"; NULL: it is a number
     uint64_t elements;    // number of them in an array
     const char *access;   // to an array, as in duet_task_arg; NULL: "all"
     uint64_t halo;        // items before and behind a "slice" that are read too

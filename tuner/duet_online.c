@@ -247,7 +247,7 @@ bool duet_online_advance(duet_online *o, duet_motion_result *result, duet_error 
         !motion_is_whole(o->def.motion, __func__, err) ||
         !motion_set_share(o->def.motion, plan.share, err))
         return false;
-    motion_take_search(o->def.motion, &found); // of a step that was not this one's
+    motion_take_search(o->def.motion, &found); // from a step that was not this one
     if (!duet_motion_advance(o->def.motion, result, err))
         return false;
     if (!motion_take_search(o->def.motion, &found))

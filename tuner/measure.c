@@ -196,7 +196,7 @@ static bool train(const measure_machine *machine, const duet_plan *plan, uint32_
     return ok;
 }
 
-// As many launches as fill the time in which the counters move.
+// Launches as often as fills the time in which the counters move.
 static bool measure_energy(measurement *m, const measure_machine *machine, const duet_plan *plan,
                            energy_meter *meter)
 {

@@ -54,7 +54,7 @@ typedef struct race_gain {
     stats_interval interval;
 } race_gain;
 
-race_gain race_no_gain(race_verdict verdict); // as fast as the other
+race_gain race_no_gain(race_verdict verdict); // neither is faster
 
 race race_begin(uint32_t n, const race_options *options); // NULL: the default ones
 

@@ -15,7 +15,7 @@
 
 #define SEARCH_ONE 65536u // the whole work; shares are out of it
 
-enum { SEARCH_KERNELS = 8 }; // of a device that a search varies; others keep their config
+enum { SEARCH_KERNELS = 8 }; // that a search varies on a device; others keep their config
 
 // One launch: the share that A took, the configs of both devices' kernels and the wall-clock times.
 // A plan to try has no times.
@@ -24,7 +24,7 @@ typedef struct search_sample {
     uint64_t total_ns;
     uint64_t a_ns; // 0 if the device took no part
     uint64_t b_ns;
-    uint16_t configs[2 * SEARCH_KERNELS]; // of the kernels in the search's space
+    uint16_t configs[2 * SEARCH_KERNELS]; // for the kernels in the search's space
     bool failed;                          // it did not run, or found what is wrong
 } search_sample;
 

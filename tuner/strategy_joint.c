@@ -52,7 +52,7 @@ const strategy strategy_random = {
 
 // Simulated annealing (Kirkpatrick et al. 1983) on the ratio of times. It begins with the configs
 // that ran at first at a quarter, for a device that is slower is the usual case. Plans that were
-// measured are not measured again: the walk over them is played from the start each time. Once it
+// measured are not measured again: the walk over them is played from the start each time. When it
 // is caught among them, plans by chance follow.
 static const double WARMEST = 0.3, COLDEST = 0.005; // in parts of the time
 
@@ -84,7 +84,7 @@ static bool ask_annealing(const search *h, search_next *next, duet_error *err)
         if (!seen)
             return true;
         uint32_t place = (uint32_t)(seen - h->samples);
-        reached = place > reached ? place : reached; // as cool as it was at the latest plan so far
+        reached = place > reached ? place : reached; // the latest plan so far says how cool it is
         double part = h->options.launches ? (double)reached / h->options.launches : 1;
         if (is_accepted(cost_of(now), cost_of(seen), part, &r))
             now = seen;

@@ -18,11 +18,11 @@ typedef struct subject {
     core_watch *cores; // NULL: nobody looks at other programs
     void *state;       // the kind's own
     duet_plan plan;    // its variants are the defaults that must work
-    uint64_t units;    // what a share divides: objects, items
+    uint64_t units;    // that a share divides: objects, items
     bool one_device;   // the two devices have nothing to share
 } subject;
 
-// What every launch must find, and how right that is.
+// The result that every launch must find, and how right that is.
 typedef struct subject_truth {
     uint64_t hash;
     uint64_t pairs; // that collide, or hits; 0: none are counted

@@ -169,7 +169,7 @@ search_sample measure_sample(const duet_result *result, const duet_plan *plan)
     };
 }
 
-// As an application does before each step. Mapped memory keeps what it holds and counts as written.
+// Does as an application before each step. Mapped memory keeps what it holds and counts as written.
 static bool hand_over_objects(duet_world *world, duet_error *err)
 {
     duet_object_kind kind = origin_row_kind(world->def.shape, world->def.origin_edge);

@@ -242,7 +242,7 @@ trial tuning_run_trial(tuning *t, const duet_plan *plan)
     count_trial(t, &got);
     if (tell_trial(t, &got, kept) && t->state->played == 1)
         check_budget(t, &got);
-    if (t->problem->meter) // what races and searches make small
+    if (t->problem->meter) // races and searches make this small
         got.sample.total_ns = (uint64_t)(got.terms.joules * 1e9);
     return got;
 }

@@ -15,7 +15,7 @@ enum { LEAST_TRIALS = 8 }; // from which a device's undisturbed time is taken
 static const double WORTH_ALONE = 1.3;  // A alone is raced if it may take so much of B alone
 static const double MOST_OF_SAME = 1.1; // a gain or a loss beyond this is not `same`
 static const double UNEVEN = 1.03;      // a step that could be so much shorter is evened out
-static const double SAME_SHARE = 0.06;  // of two equal shares, as part of one
+static const double SAME_SHARE = 0.06;  // between equal shares, as part of one
 
 // All that the first race of a single shared plan chooses is the device alone.
 static race_options first_race(uint32_t shared)

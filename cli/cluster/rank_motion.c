@@ -27,7 +27,7 @@ typedef struct moved {
     duet_cluster_motion_result last;
     double all_ms;
     double slowest_ms, mean_ms; // that ranks were busy, in all steps
-    uint64_t n_steps;           // of this run, which may go on from a checkpoint
+    uint64_t n_steps;           // in this run, which may go on from a checkpoint
     uint64_t hash;
     bool is_stopped;
 } moved;

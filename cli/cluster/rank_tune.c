@@ -87,8 +87,7 @@ static bool begin_turn(rank_tune *t, duet_error *err)
     if (!moving_set_every(t->cluster->moving, rivals[t->turn], &own) ||
         !ranks_agree(&t->cluster->ranks, is_well(&own), &own))
         return error_copy(err, &own);
-    t->ms = (double)(ranks_now_ns() - begun_ns) * 1e-6;
-    ranks_greatest(&t->cluster->ranks, &t->ms, 1);
+    t->ms = ranks_greatest(&t->cluster->ranks, (double)(ranks_now_ns() - begun_ns) * 1e-6);
     t->n_left = t->steps;
     return true;
 }

@@ -16,7 +16,7 @@ typedef struct cluster_arguments {
     const char *pairs_path;
     const char *checkpoint, *resume; // files of a motion
     const char *frames;              // a folder; NULL: none
-    const char *format;              // of frames
+    const char *format;              // that frames have
     const char *simulate; // a platform; NULL: ranks are real
     const char *profile;  // gives the times of simulated ranks; NULL: they find pairs
     uint64_t stands_for;  // objects that each object stands for

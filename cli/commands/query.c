@@ -7,7 +7,7 @@
 #include "cli/inputs.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
+#include "cli/report/rendering.h"
 #include "cli/say.h"
 
 #include <stdio.h>
@@ -149,25 +149,8 @@ static bool write_lines(const tested *t, const char *path, duet_error *err)
 
 // ---------------------------------------------------------------- telling
 
-static void tell(const tested *t)
-{
-    double share = (double)t->def.share / DUET_SHARE_ONE;
-    const char *a = duet_device_pair_get_info(t->def.pair, 0)->selector;
-    const char *b = duet_device_pair_get_info(t->def.pair, 1)->selector;
-    printf("%s: %s in %uD, level %s\n", say_name(t->name).chars,
-           table_things(t->n, "pair", "pairs").chars, t->def.dims,
-           duet_level_get_info(t->def.level)->name);
-    printf("%s colliding, %s separated, %s left undecided by float\n",
-           table_count(t->colliding).chars, table_count(t->n - t->colliding).chars,
-           table_count(t->undecided).chars);
-    if (duet_device_pair_is_one(t->def.pair))
-        printf("%.3f ms on %s\n", 1e3 * t->seconds, b);
-    else
-        printf("%.3f ms, A %s %.1f %%, B %s %.1f %%\n", 1e3 * t->seconds, a, 100 * share, b,
-               100 * (1 - share));
-}
-
-static bool tell_json(const tested *t, duet_error *err)
+// As JSON, or by a script that is told a little more.
+static bool tell(const tested *t, bool json, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("file", t->path), NUMBER("dims", t->def.dims),
@@ -176,7 +159,12 @@ static bool tell_json(const tested *t, duet_error *err)
     json_add(o, NUMBER("share", (double)t->def.share / DUET_SHARE_ONE), NUMBER("n", t->n),
              NUMBER("colliding", t->colliding), NUMBER("undecided", t->undecided),
              NUMBER("seconds", t->seconds));
-    return say_json(o, err);
+    if (!json)
+        json_add(o, STRING("name", t->name),
+                 FLAG("one_device", duet_device_pair_is_one(t->def.pair)),
+                 STRING("a", duet_device_pair_get_info(t->def.pair, 0)->selector),
+                 STRING("b", duet_device_pair_get_info(t->def.pair, 1)->selector));
+    return rendering_tell(o, json, "cli/report/query.lua", err);
 }
 
 // ---------------------------------------------------------------- the command
@@ -205,10 +193,8 @@ static bool run_test(tested *t, const arguments *args, duet_error *err)
               run_slices(t, query, err);
     if (ok && args->out)
         ok = (is_npy(args->out) ? write_arrays : write_lines)(t, args->out, err);
-    if (ok && args->json)
-        ok = tell_json(t, err);
-    else if (ok && !options_is_stdout(args->out))
-        tell(t);
+    if (args->json || !options_is_stdout(args->out))
+        ok = ok && tell(t, args->json, err);
     free(t->separations);
     free(t->answers);
     duet_pair_query_destroy(query);

@@ -9,7 +9,7 @@
 
 enum {
     MOST_CELLS = 256, // drawn along an axis
-    PIECES = 24       // of a triangle as long as what is shown
+    PIECES = 24       // that cut a triangle as long as what is shown
 };
 
 static const colour earth = {0.80, 0.77, 0.68, 1};

@@ -11,8 +11,8 @@
 
 typedef struct relief_triangle {
     double at[3][3]; // counterclockwise, seen from outside
-    double nearness; // of the corner that is farthest from the eye
-    size_t order;    // of those as near
+    double nearness; // that the corner farthest from the eye has
+    size_t order;    // among those as near
 } relief_triangle;
 
 typedef struct relief {

@@ -192,11 +192,6 @@ const char *json_string(const cJSON *o, const char *name)
     return string ? string : "";
 }
 
-bool json_true(const cJSON *o, const char *name)
-{
-    return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(o, name));
-}
-
 const cJSON *json_list(const cJSON *o, const char *name)
 {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(o, name);

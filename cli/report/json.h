@@ -99,7 +99,6 @@ cJSON_bool json_is_amount(const cJSON *item);
 // beyond 2^53 too.
 double json_number(const cJSON *o, const char *name);
 const char *json_string(const cJSON *o, const char *name);
-bool json_true(const cJSON *o, const char *name);
 
 // The list under that name, for cJSON_ArrayForEach.
 const cJSON *json_list(const cJSON *o, const char *name);

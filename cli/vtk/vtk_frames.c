@@ -41,7 +41,7 @@ static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, 
            vtk_series_add(&f->contacts, time, err);
 }
 
-// Once if it never moves.
+// Adds it once if it never moves.
 static bool add_ground(vtk_frames *f, const body_states *bodies, double time, duet_error *err)
 {
     const duet_mesh *mesh = duet_motion_get_def(f->motion)->mesh;

@@ -22,7 +22,7 @@ end
 --   its difference and the argument 3 |d2|: 8 * 0.95 f1 + 3 |d2| f1 < 5, times price
 --   the last difference 1, times the result
 -- A call is not below 0, so that paid N2 is at most price. A put is paid (1 - N2) - price (1 - N1), so that
--- paid (1 - N2) is at most the put and the price. As part of the greater of 1 and either, all of it is at most
+-- paid (1 - N2) is at most the put and the price. Seen as a part of the greater of 1 and either, all of it is at most
 -- 33.5 price + 40.4 (1 + price) + 5 price + 1. The reference's normal is 7.5e-8 off, times price and paid.
 local most = { price = 30, strike = 100 }
 local roundings = 33.5 * most.price + 40.4 * (1 + most.price) + 5 * most.price + 1

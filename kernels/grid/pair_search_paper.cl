@@ -59,7 +59,7 @@ static inline void search_cells(__global const uint *keys, __global const uint *
     }
 }
 
-// Where the cell of place i begins: parts that each sorted for themselves agree
+// Returns the begin of the cell of place i: parts that each sorted for themselves agree
 // on it, though not on the order inside a cell.
 static inline uint cell_begin(__global const uint *keys, __global const uint *starts, uint i, uint n,
                               uint n_own_cells)

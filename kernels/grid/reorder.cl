@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Moves the objects into cell order, so that what is searched together lies
-// together. What is not in the grid has no place.
+// together. Objects outside the grid have no place.
 //
 // FROM_IDS 1 reads the objects by the sorted ids, all over the input, and writes
 // them one after the other; 0 reads one after the other and writes each to its

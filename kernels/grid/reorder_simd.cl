@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Moves the objects into cell order as a search over lanes reads them. What is
-// not in the grid comes last in that order and stays away.
+// Moves the objects into cell order as a search over lanes reads them. Objects
+// outside the grid come last in that order and stay away.
 //
 //   sizes  [n + 1] of the objects, where those are transforms (APART)
 //@ if TO_PLACES == 1 then

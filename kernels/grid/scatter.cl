@@ -24,7 +24,7 @@ __kernel void scatter(SCATTER_ARGS)
             picked[n_picked] = id;
             n_picked += keys[id] != NOWHERE;
         }
-#ifdef POCL_DEVICE_ADDRESS_BITS // as below
+#ifdef POCL_DEVICE_ADDRESS_BITS // see below
 #pragma clang loop vectorize(disable)
 #endif
         for (uint k = 0; k < n_picked; ++k)

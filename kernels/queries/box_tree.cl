@@ -12,7 +12,7 @@
 //
 // A key decides only how good the tree is, never what a query finds.
 #define CLASSES 16
-#define BITS (DIMS == 3 ? 9 : 14) // of a cell's number along an axis
+#define BITS (DIMS == 3 ? 9 : 14) // that a cell's number has along an axis
 
 // Words that are in the order of the numbers; above 0.
 static inline word rising(real x)
@@ -26,7 +26,7 @@ static inline float number_of(uint rising)
     return as_float(rising >> 31 ? rising ^ 0x80000000u : ~rising);
 }
 
-// What keys are made with; without any object of the sample cells are NaN or 0, and all is in the first.
+// Keys are made with these; without any object of the sample cells are NaN or 0, and all is in the first.
 typedef struct {
     float lower[3], per_cell[3];
     float widest; // half of the widest edge
@@ -105,7 +105,7 @@ static inline word size_class(const object *o, float widest)
     return min(most - min(most, exponent), (word)(CLASSES - 1));
 }
 
-// Of n objects, `step` apart. It decides how good the tree is and nothing else.
+// Takes n objects, `step` apart. It decides how good the tree is and nothing else.
 __kernel void tree_extent(TREE_EXTENT_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;

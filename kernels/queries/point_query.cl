@@ -10,7 +10,7 @@
 //            the square of the distance, by that and id
 //   open     [open_capacity][3] boxes that float leaves to the host
 //
-// What is found does not depend on the tree: a box is never nearer than its bounds, nor these
+// The result does not depend on the tree: a box is never nearer than its bounds, nor these
 // than wider ones, for each operation on the way is monotone.
 //@ if ORIGIN > 0 then
 #define POINT_WORDS 6 // then the cell
@@ -25,7 +25,7 @@
 #define LEAST_SIZE 0x1p-70f
 #define GREATEST_SIZE 0x1p110f
 //@ if SHAPE >= 2 then
-#define LEAST_SQUARED 0x1p-50f // whose squares are floats
+#define LEAST_SQUARED 0x1p-50f // their squares are floats
 #define GREATEST_SQUARED 0x1p60f
 //@ end
 

@@ -12,7 +12,7 @@
 //   open     [open_capacity][HIT_WORDS] boxes that float leaves to the host, those that a
 //            nearer hit makes needless left out
 //
-// What is found does not depend on the tree. The distance to a box is never below
+// The result does not depend on the tree. The distance to a box is never below
 // that to its bounds, and the distance to bounds never below that to wider ones: each
 // operation on the way is monotone. So a node that is passed over for being further away
 // than the nearest hit holds nothing nearer.
@@ -105,7 +105,7 @@ static inline float along(const float *axis, const float v[3])
 #endif
 }
 
-// Where the ray is between the two faces of each edge, widened and narrowed by what
+// Finds where the ray is between the two faces of each edge, widened and narrowed by what
 // float may be wrong by. `t` is at least that of the box's bounds.
 static inline uint meet_box(const traversal *w, __global const float *row_of_box, float *t)
 {
@@ -158,7 +158,7 @@ static inline uint meet_box(const traversal *w, __global const float *row_of_box
 //@ end
 
 //@ if ORIGIN > 0 then
-// Where the line enters the box's own bounds, or before.
+// Returns where the line enters the box's own bounds, or a place before.
 static inline float enter_own_bounds(const traversal *w, __global const float *box)
 {
     float enter = 0.0f;

@@ -27,6 +27,6 @@
 // is in the order of the numbers, 0: none.
 #define EXTENT_WORDS 7
 
-#define NO_OBJECT 0xffffffffu // where nothing was hit
+#define NO_OBJECT 0xffffffffu // nothing was hit
 
 #endif

@@ -12,7 +12,7 @@ local p = parameters {
 local quarter <const>, bar <const> = 6, 0.8 -- sides of a quarter turn; where a bar ends, in radii
 local gap <const> = 2.3 * p.radius
 local radius = gap * math.ceil((16 * p.n) ^ (1 / 3) / 2.3)
-local half = radius / 2 -- of its length, along y
+local half = radius / 2 -- along y, its length
 
 -- Along a circle by quotients alone, so that the drum is the same on every machine.
 local vertices, triangles = {}, {}

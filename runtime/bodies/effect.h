@@ -7,7 +7,7 @@
 
 // The facts that call for effects: a set of these.
 typedef enum effect_fact {
-    // of the objects
+    // that the objects have
     FACT_ROTATED = 1 << 0,   // some rotation is not the identity
     FACT_MOVING = 1 << 1,    // some velocity is not 0
     FACT_TURNING = 1 << 2,   // some angular velocity is not 0

@@ -51,7 +51,7 @@ typedef struct grid_wish {
     double edge;                // the least edge of the cells; one level then
     uint32_t n_levels;          // 1, or as the sizes are
     grid_kinds kinds;
-    uint32_t crowd; // of a dense grid, at most; 0: GRID_CROWD
+    uint32_t crowd; // at most, in a dense grid; 0: GRID_CROWD
 } grid_wish;
 
 // The grid for these objects. Dense unless so many objects would share cells

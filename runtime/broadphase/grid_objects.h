@@ -20,7 +20,7 @@ typedef struct host_array {
 // The objects that a grid is for. A row begins with the point that decides its cell, and with its
 // pose if it has one whole.
 typedef struct grid_objects {
-    duet_object_kind kind; // of a row
+    duet_object_kind kind; // in a row
     duet_shape shape;
     uint32_t dims;
     float origin; // the edge of origin cells, or 0

@@ -5,15 +5,14 @@
 
 #include <string.h>
 
-static bool prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step,
-                     duet_error *err)
+static bool prefetch(part *p, const host_array *objects, size_t bytes, uint64_t step)
 {
     const selection first = {.kind = SELECT_RANGES, .n_ranges = 1, .ranges = {{0, objects->n}}};
     view_forget(&p->objects);
     part_begin(p, objects, step);
-    return buffer_reserve(&p->objects.own, p->device, bytes, err) &&
+    return buffer_reserve(&p->objects.own, p->device, bytes, NULL) &&
            view_update(&p->objects, &p->times, objects, &first, part_chunk_size(p, objects->n),
-                       err);
+                       NULL);
 }
 
 // A device that is sent all objects, into memory of its own. The step may use other kernels, of
@@ -33,8 +32,7 @@ void world_prefetch(duet_world *world, uint32_t n)
     const uint64_t step = world->def.stage_times ? 0 : world->steps;
     for (int side = 0; side < 2 && n > 0 && !world->resident.mem; ++side) {
         part *p = &world->parts[side];
-        if (can_prefetch(world, side) &&
-            !prefetch(p, &first, world->objects_block.size, step, NULL))
+        if (can_prefetch(world, side) && !prefetch(p, &first, world->objects_block.size, step))
             part_invalidate(p);
     }
 }
@@ -81,7 +79,7 @@ static bool skim(part *p, const duet_world_def *def, const float inside_lower[3]
         return false;
     uint32_t n = v->chunks[v->n_chunks - 1].to, from = 0;
     size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
-    bool ok = buffer_reserve(&p->skimmed.blocks, p->device, bytes, err) &&
+    bool ok = buffer_reserve(&p->skimmed.blocks, p->device, bytes, NULL) &&
               host_block_reserve(&p->skimmed.seen, p->device, 1, bytes, err);
     p->args = (part_args){.objects = v->own};
     memcpy(&p->args.inside_lower, inside_lower, 3 * sizeof *inside_lower);

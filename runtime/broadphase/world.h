@@ -60,7 +60,7 @@ struct duet_world {
     variant variants[2];  // the plan's
     grid_wish wish;       // the plan's
 
-    grid_objects objects; // of the kind that the def asks for
+    grid_objects objects; // in the kind that the def asks for
     host_block objects_block, sizes_block;
     resident resident;
     workload_stats stats; // taken of the objects that were set first

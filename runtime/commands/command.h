@@ -55,7 +55,7 @@ struct command {
     const char *call;    // "duet_motion_set_poses"
     duet_body_list list; // COMMAND_ADD, COMMAND_DEF: n alone
     const uint32_t *of;  // [n] a part: which of all listed bodies each is; NULL: it is no part
-    uint32_t n_all;      // of these
+    uint32_t n_all;      // among these
     uint32_t *blamed;    // gets which of these a failure names; NULL: it is not asked for
     uint32_t fields;
     const void *rows;            // [n]

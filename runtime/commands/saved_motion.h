@@ -35,7 +35,7 @@ size_t saved_ground_size(const saved_head *h);
 // Adds them to a file.
 bool saved_places_add(duet_motion *m, text *file, duet_error *err);
 void saved_ground_add(const duet_motion *m, text *file);
-void saved_ground_count(const duet_motion *m, saved_head *h); // what of it the head says
+void saved_ground_count(const duet_motion *m, saved_head *h); // as the head says
 
 // Whether a file of the motion has its ground: whether bodies can touch it.
 bool saved_ground_is_kept(const duet_motion *m);

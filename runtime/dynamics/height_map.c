@@ -5,6 +5,7 @@
 #include "runtime/dynamics/height_map.h"
 
 #include "base/compare.h"
+#include "base/list.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -217,23 +218,19 @@ static bool stands_on(const block *b, const block *below, uint32_t n_flat, doubl
     return over && gap <= margin && gap >= -overlap;
 }
 
-static bool add_support(height_map *map, uint64_t *room, support s)
+static bool add_support(height_map *map, support s)
 {
-    if (map->n_supports == *room) {
-        *room += *room / 2 + 1024;
-        support *more = realloc(map->supports, *room * sizeof *more);
-        if (!more)
-            return false;
-        map->supports = more;
-    }
+    support *supports = list_room(map->supports, map->n_supports, sizeof *supports, NULL);
+    if (!supports)
+        return false;
+    map->supports = supports;
     map->supports[map->n_supports++] = s;
     return true;
 }
 
 // Lists what a block stands on in a cell. Blocks there that end too low for it end too low for all
 // later ones.
-static bool look_below(height_map *map, cells *all, uint32_t upper, cell *c, uint64_t *room,
-                       double margin)
+static bool look_below(height_map *map, cells *all, uint32_t upper, cell *c, double margin)
 {
     const block *b = &map->blocks[upper];
     uint64_t *link = &c->first;
@@ -241,7 +238,7 @@ static bool look_below(height_map *map, cells *all, uint32_t upper, cell *c, uin
         cell_entry *e = &all->entries[*link - 1];
         const block *below = &map->blocks[e->block];
         if (stands_on(b, below, map->n_flat, margin) &&
-            !add_support(map, room, (support){upper, e->block}))
+            !add_support(map, (support){upper, e->block}))
             return false;
         if (b->bottom - below->top > margin)
             *link = e->next;
@@ -251,13 +248,13 @@ static bool look_below(height_map *map, cells *all, uint32_t upper, cell *c, uin
     return true;
 }
 
-static bool put_block(height_map *map, cells *all, uint32_t place, uint64_t *room, double margin)
+static bool put_block(height_map *map, cells *all, uint32_t place, double margin)
 {
     cell_range r = cells_of(all, &map->blocks[place]);
     for (int32_t x = r.from[0]; x <= r.to[0]; ++x)
         for (int32_t y = r.from[1]; y <= r.to[1]; ++y) {
             cell *c = find_cell(all, x, y);
-            if (!c || !look_below(map, all, place, c, room, margin))
+            if (!c || !look_below(map, all, place, c, margin))
                 return false;
             all->entries[all->n_entries++] = (cell_entry){.block = place, .next = c->first};
             c->first = all->n_entries;
@@ -289,10 +286,9 @@ static int axis_of(const duet_motion *m)
 static bool find_supports(height_map *map, double edge, double margin)
 {
     cells all;
-    uint64_t room = 0;
     bool ok = open_cells(&all, map, edge);
     for (uint32_t i = 0; ok && i < map->n; ++i)
-        ok = put_block(map, &all, i, &room, margin);
+        ok = put_block(map, &all, i, margin);
     free(all.entries);
     free(all.table);
     sort_supports(map);

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-// What is wrong with it; NULL: nothing.
+// Returns what is wrong with it; NULL: nothing.
 static const char *fault_of(const duet_accuracy *a)
 {
     if (!(a->missed >= 0 && a->missed <= 1))

@@ -30,9 +30,9 @@ int exact_least_power(const float *values, int n, int so_far)
     return so_far;
 }
 
-int exact_least_power_of_doubles(const double *values, int n, int so_far)
+int exact_least_power_of_doubles(const double values[3], int so_far)
 {
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < 3; ++i) {
         int power;
         frexp(values[i], &power);
         if (values[i] != 0 && power - 53 < so_far)
@@ -148,7 +148,7 @@ static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, cons
     power = exact_least_power(b->centre, 3, power);
     power = exact_least_power(a->half_extents, 3, power);
     power = exact_least_power(b->half_extents, 3, power);
-    power = exact_least_power_of_doubles(shift, 3, power);
+    power = exact_least_power_of_doubles(shift, power);
     for (int i = 0; i < 3; ++i) {
         exact_integer(n->t[i], b->centre[i], power);
         exact_integer(n->term, a->centre[i], power);

@@ -13,7 +13,7 @@ void exact_close(void *numbers, size_t bytes);
 
 // The power of two that makes integers of all n values, if below so_far.
 int exact_least_power(const float *values, int n, int so_far);
-int exact_least_power_of_doubles(const double *values, int n, int so_far);
+int exact_least_power_of_doubles(const double values[3], int so_far);
 
 // out = value / 2^power, which is an integer
 void exact_integer(mpz_t out, double value, int power);

@@ -150,7 +150,7 @@ static void cut_along(span *s, const ground_piece *p, const ground_probe *probe,
     cut(s, &w, k);
 }
 
-// As cut_by_axis of ground_exact.c. An axis of which nobody knows whether it points down cuts
+// Does as cut_by_axis of ground_exact.c. An axis of which nobody knows whether it points down cuts
 // nothing of a prism.
 static void cut_by_axis(span *s, const ground_piece *p, const ground_probe *probe, int k)
 {

@@ -10,7 +10,7 @@
 #include "runtime/narrowphase/ground_probe.h"
 #include "runtime/narrowphase/mesh_tree.h"
 
-// As heights_meet.
+// Does as heights_meet.
 bool mesh_meet(const duet_mesh *mesh, const mesh_node *tree, const ground_probe *probe,
                ground_entry *entry);
 

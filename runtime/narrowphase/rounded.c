@@ -199,7 +199,7 @@ static narrow_answer find_points(const duet_rounded_box *a, const duet_rounded_b
     return NARROW_UNDECIDED;
 }
 
-// As near as the points come.
+// Returns how near the points come.
 static double find_distance(const duet_pose *a, const duet_pose *b)
 {
     cores m = cores_of(a, b);

@@ -2,6 +2,7 @@
 #include "runtime/opencl/callers_buffer.h"
 
 #include "base/error.h"
+#include "base/list.h"
 
 #include <stdlib.h>
 
@@ -80,11 +81,9 @@ bool callers_events_check(cl_uint n, const cl_event *events, cl_context context,
 // Space for one more.
 static bool grow(callers_events *to, duet_error *err)
 {
-    cl_event *list = realloc(to->list, ((size_t)to->n + 1) * sizeof(cl_event));
-    if (!list)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u events", to->n + 1);
-    to->list = list;
-    return true;
+    cl_event *list = list_room(to->list, to->n, sizeof(cl_event), err);
+    to->list = list ? list : to->list;
+    return list;
 }
 
 bool callers_events_hold(callers_events *to, cl_uint n, const cl_event *events, duet_error *err)

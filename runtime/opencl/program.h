@@ -16,7 +16,7 @@ typedef struct kernel {
     cl_kernel cl;      // NULL before it is built
     uint32_t group;    // work-items a group
     uint32_t per_item; // objects, pairs or values a work-item does
-    uint32_t n_axes;   // of a launch
+    uint32_t n_axes;   // in a launch
     gen_axis more[2];  // along the second and the third
     char name[192];    // the variant's name: "radix.BITS8.WG1.PER_ITEM16384"
     launcher launcher;

@@ -16,7 +16,7 @@ enum {
     TIMELINE_TIED = 4
 };
 
-// What the host knows of the commands that were sent.
+// The commands that were sent, as far as the host knows.
 typedef enum timeline_sent {
     SENT_TOLD,   // each of those under way has an event
     SENT_UNTOLD, // some without an event may be under way

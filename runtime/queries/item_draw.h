@@ -6,7 +6,7 @@
 #include "runtime/queries/query_name.h"
 
 typedef struct item_objects {
-    const void *rows; // of their kind
+    const void *rows; // in their kind's form
     uint32_t n;       // 1 or more
     uint32_t dims;
     duet_shape shape;

@@ -170,7 +170,7 @@ static uint64_t hits_begin(const query_side *s)
     return s->each > 0 ? (s->first_item - s->first) * s->each : s->found.n;
 }
 
-// Those from `begin` on.
+// Takes those from `begin` on.
 static bool sort_found(query_side *s, uint64_t begin)
 {
     uint32_t words = s->query->kind->hit_words;

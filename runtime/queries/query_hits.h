@@ -11,7 +11,7 @@ typedef struct hit_list {
     uint64_t n, capacity; // hits
 } hit_list;
 
-// Of hits of so many words. NULL of a list that never had a hit.
+// Takes hits of so many words. NULL of a list that never had a hit.
 uint32_t *hits_at(const hit_list *list, uint32_t words, uint64_t i);
 
 // Makes room for more hits. d: the device that reads and writes them; NULL: none.

@@ -94,7 +94,7 @@ static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box,
     power = exact_least_power(box->centre, 3, power);
     power = exact_least_power(box->half_extents, 3, power);
     power = exact_least_power(&radius, 1, power);
-    power = exact_least_power_of_doubles(shift, 3, power);
+    power = exact_least_power_of_doubles(shift, power);
     exact_axes(n->axis, n->norm, n->q, box->rotation);
     exact_integer(n->right, t_max, t_power);
     exact_integer(n->radius, radius, power);

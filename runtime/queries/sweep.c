@@ -236,7 +236,7 @@ static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *bo
     power = exact_least_power(sweep->box.half_extents, 3, power);
     power = exact_least_power(box->centre, 3, power);
     power = exact_least_power(box->half_extents, 3, power);
-    power = exact_least_power_of_doubles(shift, 3, power);
+    power = exact_least_power_of_doubles(shift, power);
     power = exact_step(n->step, sweep->direction, sweep->t_max, power);
     exact_axes(n->axis_a, n->norm_a, n->q, sweep->box.rotation);
     exact_axes(n->axis_b, n->norm_b, n->q, box->rotation);

@@ -3,6 +3,7 @@
 
 #include "base/budget.h"
 #include "base/error.h"
+#include "base/list.h"
 #include "base/text.h"
 #include "base/text_file.h"
 #include "runtime/narrowphase/mesh.h"
@@ -22,7 +23,7 @@ typedef struct reading {
     double scale;
     float *vertices;
     uint32_t *triangles;
-    uint32_t n_vertices, n_triangles, most_vertices, most_triangles;
+    uint32_t n_vertices, n_triangles;
     duet_error *err;
 } reading;
 
@@ -34,28 +35,14 @@ static bool refuse(const reading *r, const char *fault, const char *expected)
 
 // ---------------------------------------------------------------- what was read
 
-// Space for one more row of three words.
-static bool reserve(reading *r, void **rows, uint32_t n, uint32_t *most)
-{
-    if (n < *most)
-        return true;
-    uint32_t more = *most ? 2 * *most : 1024;
-    void *grown = realloc(*rows, (size_t)more * 3 * sizeof(uint32_t));
-    if (!grown)
-        return error_set(r->err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u rows", r->path, more);
-    *rows = grown;
-    *most = more;
-    return true;
-}
-
 static bool add_vertex(reading *r, const double at[3])
 {
-    void *rows = r->vertices;
     if (r->n_vertices == 3 * DUET_MOST_TRIANGLES)
         return refuse(r, "one more vertex", "at most 50331648");
-    if (!reserve(r, &rows, r->n_vertices, &r->most_vertices))
+    float *vertices = list_room(r->vertices, r->n_vertices, 3 * sizeof *vertices, r->err);
+    if (!vertices)
         return false;
-    r->vertices = rows;
+    r->vertices = vertices;
     float *to = r->vertices + 3 * (size_t)r->n_vertices++;
     for (int k = 0; k < 3; ++k)
         to[k] = (float)(r->scale * at[k]);
@@ -65,12 +52,12 @@ static bool add_vertex(reading *r, const double at[3])
 
 static bool add_triangle(reading *r, const uint32_t corners[3])
 {
-    void *rows = r->triangles;
     if (r->n_triangles == DUET_MOST_TRIANGLES)
         return refuse(r, "one more triangle", "at most 16777216");
-    if (!reserve(r, &rows, r->n_triangles, &r->most_triangles))
+    uint32_t *triangles = list_room(r->triangles, r->n_triangles, 3 * sizeof *triangles, r->err);
+    if (!triangles)
         return false;
-    r->triangles = rows;
+    r->triangles = triangles;
     const float *v = r->vertices;
     memcpy(r->triangles + 3 * (size_t)r->n_triangles++, corners, 3 * sizeof *corners);
     const char *fault = mesh_triangle_fault(v + 3 * (size_t)corners[0], v + 3 * (size_t)corners[1],

@@ -34,13 +34,13 @@ typedef struct bounds {
 typedef struct entry {
     bounds box;
     double z, y; // the column of its centre, in edges of its class
-    double edge; // of its class
+    double edge; // in its class
     uint32_t id;
 } entry;
 
 typedef struct finder {
     const reference_objects *objects;
-    entry *entries; // where columns are used: by class, column and lower x
+    entry *entries; // if columns are used: by class, column and lower x
     reference_found *found;
     uint64_t capacity;
     uint32_t tests; // since the last look at the budget

@@ -35,7 +35,7 @@ static const struct {
 } parts[N_PARTS] = {
     [CENTRE] = {"centre", 2, 3, "2 or 3"},     // xyz
     [HALF] = {"half_extents", 2, 3, "2 or 3"}, // half extents
-    [RADIUS] = {"radius", 1, 1, "1"},          // of a rounded box
+    [RADIUS] = {"radius", 1, 1, "1"},          // that a rounded box has
     [ROTATION] = {"rotation", 4, 4, "4"},      // quaternion xyzw, 3D
     [EULER] = {"euler", 3, 3, "3"},            // phi, theta, psi in radians, 3D
     [ANGLE] = {"angle", 1, 1, "1"},            // radians, 2D

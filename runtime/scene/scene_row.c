@@ -43,7 +43,7 @@ static bool is_ordinary(const double *q, int n)
     return held && greatest >= 0x1p-32 && greatest <= 0x1p32;
 }
 
-// Of the greatest part once it is rounded to a float's 24 bits, as frexp counts.
+// The exponent of the greatest part once it is rounded to a float's 24 bits, as frexp counts.
 static int exponent_of(const double *q, int n)
 {
     double greatest = 0;
@@ -64,7 +64,7 @@ static bool keeps_part(double part, int shift)
 
 // The power of two by which a quaternion is multiplied: its length does not count,
 // but devices square it in float, so one that is very short or long is brought
-// near 1. Where that would take bits from a part it is made as long as floats are,
+// near 1. If that would take bits from a part it is made as long as floats are,
 // which leaves every quaternion of floats as it is.
 static int shift_of(const double q[4])
 {

@@ -18,7 +18,7 @@
 
 enum { STEPS = 12, BODIES = 24 };
 
-// Body 0 is a floor. Those on it are far from each other, and slide.
+// Body 0 is a floor. The boxes on it are far from each other, and slide.
 static const char scene_text[] =
     "add { centre = { 0, 0, -1 }, half_extents = { 60, 60, 1 }, mass = 0,\n"
     "      friction = 0.5 }\n"

@@ -6,15 +6,14 @@
 #include "cluster/closure.h"
 #include "cluster/cluster.h"
 #include "cluster/colouring.h"
+#include "cluster/job.h"
 #include "cluster/moving_domains.h"
-#include "cluster/must.h"
 
 #include "base/rng.h"
 #include "base/text.h"
 #include "base/text_file.h"
 #include "kernels/dynamics/records.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -26,29 +25,6 @@
 #define APART "cluster_motion_apart.lua"
 #define GIANT "cluster_motion_giant.lua"
 #define MESH "cluster_motion_mesh.lua"
-
-static void write_scene(const char *path, const char *scene)
-{
-    duet_error err = {0};
-    if (rank == 0)
-        MUST_OK(text_write_file(path, scene, strlen(scene), &err), err);
-    MPI_Barrier(MPI_COMM_WORLD);
-}
-
-static void remove_file(const char *path)
-{
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (rank == 0)
-        remove(path);
-}
-
-// The first n ranks of the job; MPI_COMM_NULL on the others.
-static MPI_Comm group_of(int n)
-{
-    MPI_Comm comm;
-    MPI_Comm_split(MPI_COMM_WORLD, rank < n ? 0 : MPI_UNDEFINED, rank, &comm);
-    return comm;
-}
 
 typedef struct moving_scene {
     const char *path;
@@ -113,21 +89,18 @@ static void add_hits(outcome *o, uint64_t step, const duet_hit_event *hits, uint
 
 static outcome outcome_of_one(const moving_scene *s, duet_device_pair *pair)
 {
-    duet_error err = {0};
     outcome o = {0};
     duet_motion_result result;
-    duet_scene *scene = duet_scene_load(s->path, s->settings, s->n_settings, &err);
-    MUST_OK(scene, err);
+    duet_scene *scene = must(duet_scene_load(s->path, s->settings, s->n_settings, ERR));
     duet_motion_def def = duet_scene_motion_def(scene, pair);
-    duet_motion *motion = duet_motion_create_from_scene(&def, scene, NULL, &err);
-    MUST_OK(motion, err);
+    duet_motion *motion = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
     for (uint32_t i = 0; i < s->steps; ++i) {
-        MUST_OK(duet_motion_advance(motion, &result, &err), err);
+        must(duet_motion_advance(motion, &result, ERR));
         add_events(&o, i, result.events, result.n_events);
         add_stays(&o, i, result.stays, result.n_stays);
         add_hits(&o, i, result.hits, result.n_hits);
     }
-    MUST_OK(duet_motion_get_hash(motion, &o.hash, &err), err);
+    must(duet_motion_get_hash(motion, &o.hash, ERR));
     duet_motion_destroy(motion);
     duet_scene_destroy(scene);
     return o;
@@ -138,10 +111,8 @@ static outcome expected_outcome(const moving_scene *s)
 {
     outcome o = {0};
     if (rank == 0) {
-        duet_error err = {0};
         duet_device_pair_def def = duet_default_device_pair_def();
-        duet_device_pair *pair = duet_device_pair_create(&def, &err);
-        MUST_OK(pair, err);
+        duet_device_pair *pair = must(duet_device_pair_create(&def, ERR));
         o = outcome_of_one(s, pair);
         duet_device_pair_destroy(pair);
     }
@@ -163,17 +134,9 @@ static void add_told(outcome *o, uint64_t step, const duet_cluster_motion_result
     add_hits(o, step, result->hits, result->n_hits);
 }
 
-static outcome sum_of_ranks(const outcome *own, MPI_Comm comm)
+static void must_tell_alike(outcome all, const outcome *expected, duet_cluster *c, const char *what)
 {
-    outcome all;
-    MPI_Allreduce(own, &all, sizeof all / sizeof(uint64_t), MPI_UINT64_T, MPI_SUM, comm);
-    return all;
-}
-
-static void must_tell_alike(const outcome *own, const outcome *expected, MPI_Comm comm,
-                            const char *what)
-{
-    outcome all = sum_of_ranks(own, comm);
+    ranks_sum(&c->ranks, &all.hash, sizeof all / sizeof(uint64_t));
     MUST(all.events == expected->events, what);
     MUST(all.stays == expected->stays, what);
     MUST(all.hits == expected->hits, what);
@@ -184,10 +147,8 @@ static void must_tell_alike(const outcome *own, const outcome *expected, MPI_Com
 static void save_and_resume(duet_cluster *cluster, const moving_scene *s)
 {
     static const char file[] = "cluster_motion_at.ck";
-    duet_error err = {0};
-    MUST_OK(duet_cluster_save_motion(cluster, file, &err), err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, file, &err),
-            err);
+    must(duet_cluster_save_motion(cluster, file, ERR));
+    must(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, file, ERR));
     MUST(duet_cluster_get_motion_step(cluster) == s->saved_at, "the step that was saved");
     if (rank == 0)
         remove(file);
@@ -196,40 +157,42 @@ static void save_and_resume(duet_cluster *cluster, const moving_scene *s)
 // Ghosts come after each colour, or after so many.
 static const uint32_t colours_between[] = {1, 31, 4};
 
-static duet_cluster_def def_of(MPI_Comm *comm, uint32_t parts, uint32_t colours)
+static duet_cluster_def def_of(uint32_t parts, uint32_t colours)
 {
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = comm;
     def.parts = parts;
     snprintf(def.world.plan.variant_b, sizeof def.world.plan.variant_b, "auto motion.colours=%u",
              colours);
     return def;
 }
 
+// The motion on the first n ranks; NULL on the others.
+static duet_cluster *begin_on(int n, duet_cluster_def def, const moving_scene *s)
+{
+    duet_cluster *c = cluster_of(n, def);
+    if (c)
+        must(duet_cluster_begin_motion(c, s->path, s->settings, s->n_settings, NULL, ERR));
+    return c;
+}
+
 static void must_move_to(const moving_scene *s, const outcome *expected, int n_ranks,
                          uint32_t parts, uint32_t colours)
 {
-    MPI_Comm comm = group_of(n_ranks);
-    if (comm == MPI_COMM_NULL)
+    duet_cluster *cluster = begin_on(n_ranks, def_of(parts, colours), s);
+    if (!cluster)
         return;
     char what[160];
-    duet_error err = {0};
     outcome own = {0};
     uint32_t most_colours = 0;
     duet_cluster_motion_result result = {0};
-    const duet_cluster_def def = def_of(&comm, parts, colours);
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
-            err);
     for (uint32_t i = 0; i < s->steps; ++i) {
         if (i > 0 && i == s->saved_at)
             save_and_resume(cluster, s);
-        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+        must(duet_cluster_advance(cluster, &result, ERR));
         most_colours = result.colours > most_colours ? result.colours : most_colours;
         add_told(&own, i, &result);
     }
-    MUST_OK(duet_cluster_get_state_hash(cluster, &own.hash, &err), err);
+    must(duet_cluster_get_state_hash(cluster, &own.hash, ERR));
     snprintf(what, sizeof what, "%s on %d ranks of %u, after %u colours", s->path, n_ranks, parts,
              colours);
     MUST(result.step == s->steps, what);
@@ -237,9 +200,8 @@ static void must_move_to(const moving_scene *s, const outcome *expected, int n_r
     MUST(strcmp(s->path, GIANT) != 0 || most_colours == COLOUR_OVERFLOW + 1, what);
     MUST(s->least_contacts == 0 || n_ranks * parts == 1 || result.ghosts > 0, what);
     MUST(own.hash == expected->hash, what);
-    must_tell_alike(&own, expected, comm, what);
+    must_tell_alike(own, expected, cluster, what);
     duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 static outcome must_move_alike(const moving_scene *s, const int (*shapes)[2], size_t n)
@@ -266,19 +228,13 @@ static void a_pile_has_one_motions_bits(void)
 
 static uint64_t exchanges_of(const moving_scene *s, uint64_t hash, uint32_t colours)
 {
-    duet_error err = {0};
     uint64_t found = 0;
     duet_cluster_motion_result result;
-    MPI_Comm comm = MPI_COMM_SELF;
-    const duet_cluster_def def = def_of(&comm, 3, colours);
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
-            err);
+    duet_cluster *cluster = begin_on(ALONE, def_of(3, colours), s);
     for (uint32_t i = 0; i < s->steps; ++i)
-        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+        must(duet_cluster_advance(cluster, &result, ERR));
     MUST(result.contacts >= s->least_contacts, "many push");
-    MUST_OK(duet_cluster_get_state_hash(cluster, &found, &err), err);
+    must(duet_cluster_get_state_hash(cluster, &found, ERR));
     MUST(found == hash, "ghosts that come less often give other bits");
     uint64_t n = cluster->moving->halo.n_exchanges;
     duet_cluster_destroy(cluster);
@@ -322,17 +278,17 @@ static void a_pile_on_a_mesh_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 3}, {2, 1}, {3, 2}};
     const moving_scene s = {MESH, {{0}}, 0, 60, 1, 30};
-    write_scene(MESH, "for i = 0, 23 do\n"
-                      "  add { centre = { i % 6, i // 6, 1.5 + i % 3 },\n"
-                      "        half_extents = { 0.45, 0.45, 0.4 } }\n"
-                      "end\n"
-                      "return {\n"
-                      "  dims = 3, gravity = { 0, 0, -9.81 }, wants = { 'contact_response' },\n"
-                      "  mesh = { vertices = { -5, -5, 0, 10, -5, 0, 10, 10, 0.5, -5, 10, 0.5 },\n"
-                      "           triangles = { 0, 1, 2, 0, 2, 3 } },\n"
-                      "}\n");
+    job_write(MESH, "for i = 0, 23 do\n"
+                    "  add { centre = { i % 6, i // 6, 1.5 + i % 3 },\n"
+                    "        half_extents = { 0.45, 0.45, 0.4 } }\n"
+                    "end\n"
+                    "return {\n"
+                    "  dims = 3, gravity = { 0, 0, -9.81 }, wants = { 'contact_response' },\n"
+                    "  mesh = { vertices = { -5, -5, 0, 10, -5, 0, 10, 10, 0.5, -5, 10, 0.5 },\n"
+                    "           triangles = { 0, 1, 2, 0, 2, 3 } },\n"
+                    "}\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
-    remove_file(MESH);
+    job_remove(MESH);
 }
 
 // It has more contacts than there are colours, in all domains.
@@ -340,18 +296,18 @@ static void a_giant_on_small_ones_has_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 1}, {1, 4}, {3, 1}};
     const moving_scene s = {GIANT, {{0}}, 0, 16, 1, 0};
-    write_scene(GIANT, "for i = 0, 79 do\n"
-                       "  local x, y = i % 9, i // 9\n"
-                       "  add { centre = { x, y, 0.45 }, half_extents = { 0.4, 0.4, 0.4 } }\n"
-                       "end\n"
-                       "add { centre = { 4, 4, 1.9 }, half_extents = { 5, 5, 1 }, mass = 40 }\n"
-                       "return {\n"
-                       "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
-                       "  world = { lower = { -2, -2, 0 }, upper = { 11, 11, 20 } },\n"
-                       "  body = { friction = 0.5, restitution = 0.3 },\n"
-                       "}\n");
+    job_write(GIANT, "for i = 0, 79 do\n"
+                     "  local x, y = i % 9, i // 9\n"
+                     "  add { centre = { x, y, 0.45 }, half_extents = { 0.4, 0.4, 0.4 } }\n"
+                     "end\n"
+                     "add { centre = { 4, 4, 1.9 }, half_extents = { 5, 5, 1 }, mass = 40 }\n"
+                     "return {\n"
+                     "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+                     "  world = { lower = { -2, -2, 0 }, upper = { 11, 11, 20 } },\n"
+                     "  body = { friction = 0.5, restitution = 0.3 },\n"
+                     "}\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
-    remove_file(GIANT);
+    job_remove(GIANT);
 }
 
 // ---------------------------------------------------------------- what is told
@@ -360,26 +316,26 @@ static void a_giant_on_small_ones_has_one_motions_bits(void)
 // that is told of; a fast sensor passes them all.
 static void write_events_scene(void)
 {
-    write_scene(EVENTS,
-                "for i = 0, 47 do\n"
-                "  local x, y = i % 8, i // 8\n"
-                "  add { centre = { x + 0.01 * y, y, 1 + 0.31 * (i * 7 % 11) },\n"
-                "        half_extents = { 0.4, 0.45, 0.3 }, group = i % 5 == 0 and 2 or 1,\n"
-                "        velocity = { 0, 0, i % 3 == 0 and -2 or 1 } }\n"
-                "end\n"
-                "add { centre = { 3.5, 2.5, 1 }, half_extents = { 4, 3, 0.1 }, mass = 0,\n"
-                "      sensor = true }\n"
-                "add { centre = { 3.5, -2, 0.5 }, half_extents = { 4, 0.5, 0.5 }, mass = 0 }\n"
-                "add { centre = { 1, -2, 0.5 }, half_extents = { 0.2, 1, 0.2 }, mass = 0,\n"
-                "      sensor = true }\n"
-                "add { centre = { -1, 2, 1 }, half_extents = { 0.3, 0.3, 0.3 }, sensor = true,\n"
-                "      velocity = { 6, 0.4, 7 } }\n"
-                "return {\n"
-                "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls', hit_speed = 0.6,\n"
-                "  world = { lower = { -2, -3, 0 }, upper = { 9, 7, 20 } },\n"
-                "  wants = { 'contact_response', 'events', 'sleep' }, event_mask = 3,\n"
-                "  body = { friction = 0.5, restitution = 0.4 },\n"
-                "}\n");
+    job_write(EVENTS,
+              "for i = 0, 47 do\n"
+              "  local x, y = i % 8, i // 8\n"
+              "  add { centre = { x + 0.01 * y, y, 1 + 0.31 * (i * 7 % 11) },\n"
+              "        half_extents = { 0.4, 0.45, 0.3 }, group = i % 5 == 0 and 2 or 1,\n"
+              "        velocity = { 0, 0, i % 3 == 0 and -2 or 1 } }\n"
+              "end\n"
+              "add { centre = { 3.5, 2.5, 1 }, half_extents = { 4, 3, 0.1 }, mass = 0,\n"
+              "      sensor = true }\n"
+              "add { centre = { 3.5, -2, 0.5 }, half_extents = { 4, 0.5, 0.5 }, mass = 0 }\n"
+              "add { centre = { 1, -2, 0.5 }, half_extents = { 0.2, 1, 0.2 }, mass = 0,\n"
+              "      sensor = true }\n"
+              "add { centre = { -1, 2, 1 }, half_extents = { 0.3, 0.3, 0.3 }, sensor = true,\n"
+              "      velocity = { 6, 0.4, 7 } }\n"
+              "return {\n"
+              "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls', hit_speed = 0.6,\n"
+              "  world = { lower = { -2, -3, 0 }, upper = { 9, 7, 20 } },\n"
+              "  wants = { 'contact_response', 'events', 'sleep' }, event_mask = 3,\n"
+              "  body = { friction = 0.5, restitution = 0.4 },\n"
+              "}\n");
 }
 
 static void events_are_one_motions(void)
@@ -389,7 +345,7 @@ static void events_are_one_motions(void)
     write_events_scene();
     outcome o = must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
     MUST(o.events > 200 && o.stays > 1000 && o.hits > 50, "much is told");
-    remove_file(EVENTS);
+    job_remove(EVENTS);
 }
 
 // Without response bodies fly through each other and through sensors, and what touches is told.
@@ -397,17 +353,17 @@ static void touches_without_response_are_one_motions(void)
 {
     static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 2}, {5, 1}};
     const moving_scene s = {EVENTS, {{0}}, 0, 60, 0, 25};
-    write_scene(EVENTS, "for i = 0, 59 do\n"
-                        "  local x, y = i % 10, i // 10\n"
-                        "  add { centre = { 1.2 * x, 1.2 * y, 0.5 + 0.2 * (i % 3) },\n"
-                        "        half_extents = { 0.4, 0.3, 0.3 }, sensor = i % 11 == 3,\n"
-                        "        mass = i % 13 == 5 and 0 or 1, group = 1 << i % 2,\n"
-                        "        velocity = { 3 - i % 7, i % 5 - 2, 0.1 * (i % 4) } }\n"
-                        "end\n"
-                        "return { dims = 3, wants = { 'events', 'sensors' }, event_mask = 1 }\n");
+    job_write(EVENTS, "for i = 0, 59 do\n"
+                      "  local x, y = i % 10, i // 10\n"
+                      "  add { centre = { 1.2 * x, 1.2 * y, 0.5 + 0.2 * (i % 3) },\n"
+                      "        half_extents = { 0.4, 0.3, 0.3 }, sensor = i % 11 == 3,\n"
+                      "        mass = i % 13 == 5 and 0 or 1, group = 1 << i % 2,\n"
+                      "        velocity = { 3 - i % 7, i % 5 - 2, 0.1 * (i % 4) } }\n"
+                      "end\n"
+                      "return { dims = 3, wants = { 'events', 'sensors' }, event_mask = 1 }\n");
     outcome o = must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
     MUST(o.events > 100 && o.stays > 100 && o.hits == 0, "much is told");
-    remove_file(EVENTS);
+    job_remove(EVENTS);
 }
 
 // A blow goes through a row from end to end.
@@ -415,19 +371,19 @@ static void shocks_have_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 4}, {2, 1}, {3, 1}, {5, 1}};
     const moving_scene s = {SHOCKS, {{0}}, 0, 40, 1, 0};
-    write_scene(SHOCKS,
-                "for i = 0, 9 do\n"
-                "  add { centre = { i, 0, 0 }, radius = 0.5, mass = 1 + i % 2 }\n"
-                "  add { centre = { i, 0.3, 1.5 }, half_extents = { 0.5, 0.5, 0.5 } }\n"
-                "end\n"
-                "add { centre = { -3, 0, 0 }, radius = 0.5, velocity = { 9, 0, 0 } }\n"
-                "add { centre = { 13, 0.3, 1.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
-                "      velocity = { -7, 0, 0 } }\n"
-                "return { dims = 3, body = { restitution = 0.9, friction = 0.2 }, dt = 1 / 60,\n"
-                "         world = { lower = { -5, -2, -2 }, upper = { 15, 3, 4 } },\n"
-                "         wants = { 'contact_response', 'shocks' } }\n");
+    job_write(SHOCKS,
+              "for i = 0, 9 do\n"
+              "  add { centre = { i, 0, 0 }, radius = 0.5, mass = 1 + i % 2 }\n"
+              "  add { centre = { i, 0.3, 1.5 }, half_extents = { 0.5, 0.5, 0.5 } }\n"
+              "end\n"
+              "add { centre = { -3, 0, 0 }, radius = 0.5, velocity = { 9, 0, 0 } }\n"
+              "add { centre = { 13, 0.3, 1.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
+              "      velocity = { -7, 0, 0 } }\n"
+              "return { dims = 3, body = { restitution = 0.9, friction = 0.2 }, dt = 1 / 60,\n"
+              "         world = { lower = { -5, -2, -2 }, upper = { 15, 3, 4 } },\n"
+              "         wants = { 'contact_response', 'shocks' } }\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
-    remove_file(SHOCKS);
+    job_remove(SHOCKS);
 }
 
 // ---------------------------------------------------------------- beginnings
@@ -437,18 +393,18 @@ static void bodies_are_taken_apart_as_in_one_motion(void)
 {
     static const int shapes[][2] = {{1, 1}, {1, 3}, {3, 1}};
     const moving_scene s = {APART, {{0}}, 0, 24, 1, 10};
-    write_scene(APART, "for i = 0, 39 do\n"
-                       "  add { centre = { 0.7 * (i % 8), 0.8 * (i // 8), 0.5 + 0.1 * (i % 3) },\n"
-                       "        half_extents = { 0.5, 0.45, 0.4 } }\n"
-                       "end\n"
-                       "return {\n"
-                       "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
-                       "  world = { lower = { -2, -2, 0 }, upper = { 12, 8, 20 } },\n"
-                       "  wants = { 'contact_response', 'depenetration', 'events', 'sleep' },\n"
-                       "  body = { friction = 0.5 },\n"
-                       "}\n");
+    job_write(APART, "for i = 0, 39 do\n"
+                     "  add { centre = { 0.7 * (i % 8), 0.8 * (i // 8), 0.5 + 0.1 * (i % 3) },\n"
+                     "        half_extents = { 0.5, 0.45, 0.4 } }\n"
+                     "end\n"
+                     "return {\n"
+                     "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+                     "  world = { lower = { -2, -2, 0 }, upper = { 12, 8, 20 } },\n"
+                     "  wants = { 'contact_response', 'depenetration', 'events', 'sleep' },\n"
+                     "  body = { friction = 0.5 },\n"
+                     "}\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
-    remove_file(APART);
+    job_remove(APART);
 }
 
 // A pile and what flies on, 10 000 km from 0, over the edges of cells.
@@ -456,7 +412,7 @@ static void origin_cells_have_one_motions_bits(void)
 {
     static const int shapes[][2] = {{1, 1}, {1, 4}, {2, 1}, {3, 1}, {5, 1}};
     const moving_scene s = {FAR, {{0}}, 0, 50, 1, 20};
-    write_scene(
+    job_write(
         FAR,
         "local x0, y0 = 1e7, -2e7\n"
         "for i = 0, 47 do\n"
@@ -472,36 +428,33 @@ static void origin_cells_have_one_motions_bits(void)
         "  wants = { 'contact_response', 'sleep', 'events' },\n"
         "}\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
-    remove_file(FAR);
+    job_remove(FAR);
 }
 
 // ---------------------------------------------------------------- other borders
 
 // Between steps the borders are cut at random, so that bodies, with their contacts, their sleep and
 // what is told of them, change domains all the time.
-static void move_with_any_borders(const moving_scene *s, const outcome *expected, uint64_t seed,
-                                  MPI_Comm comm)
+static void move_with_any_borders(const moving_scene *s, const outcome *expected, uint64_t seed)
 {
     rng r = rng_seed(seed); // the same on all ranks
     outcome own = {0};
-    duet_error err = {0};
     duet_cluster_motion_result result;
-    const duet_cluster_def def = def_of(&comm, 2, 31);
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s->path, NULL, 0, NULL, &err), err);
+    duet_cluster *cluster = begin_on(3, def_of(2, 31), s);
+    if (!cluster)
+        return;
     for (uint32_t i = 0; i < s->steps; ++i) {
         for (uint32_t k = 1; k < cluster->moving->cuts.n; ++k)
             cluster->moving->cuts.planes[k] =
                 (bisection_plane){rng_between(&r, 0, 6), rng_below(&r, 3)};
         for (uint32_t times = rng_below(&r, 3); times > 0; --times)
-            MUST_OK(moving_settle(cluster->moving, &err), err);
-        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+            must(moving_settle(cluster->moving, ERR));
+        must(duet_cluster_advance(cluster, &result, ERR));
         add_told(&own, i, &result);
     }
-    MUST_OK(duet_cluster_get_state_hash(cluster, &own.hash, &err), err);
+    must(duet_cluster_get_state_hash(cluster, &own.hash, ERR));
     MUST(own.hash == expected->hash, "other borders give other bits");
-    must_tell_alike(&own, expected, comm, "other borders tell of others");
+    must_tell_alike(own, expected, cluster, "other borders tell of others");
     duet_cluster_destroy(cluster);
 }
 
@@ -510,81 +463,57 @@ static void borders_change_nothing(uint64_t seed)
     const moving_scene s = {EVENTS, {{0}}, 0, 90, 0, 0};
     write_events_scene();
     outcome expected = expected_outcome(&s);
-    MPI_Comm comm = group_of(3);
-    if (comm != MPI_COMM_NULL) {
-        move_with_any_borders(&s, &expected, seed, comm);
-        MPI_Comm_free(&comm);
-    }
-    remove_file(EVENTS);
+    move_with_any_borders(&s, &expected, seed);
+    job_remove(EVENTS);
 }
 
 // Between steps another number of colours is drawn, after which ghosts come.
-static void move_with_any_colours(const moving_scene *s, uint64_t hash, uint64_t seed,
-                                  MPI_Comm comm)
+static void colours_between_change_nothing(uint64_t seed)
 {
     static const uint32_t drawn[] = {1, 2, 3, 4, 8, 31};
+    const moving_scene s = {"falling", {{"n", "200"}, {"sleep", "false"}}, 2, 90, 200, 0};
+    const uint64_t hash = expected_hash(&s);
     rng r = rng_seed(seed); // the same on all ranks
     uint64_t found = 0;
-    duet_error err = {0};
     duet_cluster_motion_result result;
-    const duet_cluster_def def = def_of(&comm, 2, 1);
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, s->path, s->settings, s->n_settings, NULL, &err),
-            err);
-    for (uint32_t i = 0; i < s->steps; ++i) {
+    duet_cluster *cluster = begin_on(3, def_of(2, 1), &s);
+    if (!cluster)
+        return;
+    for (uint32_t i = 0; i < s.steps; ++i) {
         const uint32_t every = drawn[rng_below(&r, sizeof drawn / sizeof *drawn)];
-        MUST_OK(moving_set_every(cluster->moving, every, &err), err);
+        must(moving_set_every(cluster->moving, every, ERR));
         MUST(moving_get_every(cluster->moving) == every, "the colours that were set");
-        MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+        must(duet_cluster_advance(cluster, &result, ERR));
     }
-    MUST(result.contacts >= s->least_contacts && result.ghosts > 0, "contacts at borders");
-    MUST_OK(duet_cluster_get_state_hash(cluster, &found, &err), err);
+    MUST(result.contacts >= s.least_contacts && result.ghosts > 0, "contacts at borders");
+    must(duet_cluster_get_state_hash(cluster, &found, ERR));
     MUST(found == hash, "ghosts that come now more and now less often give other bits");
     duet_cluster_destroy(cluster);
 }
 
-static void colours_between_change_nothing(uint64_t seed)
+static uint32_t most_own(const duet_cluster *c)
 {
-    const moving_scene s = {"falling", {{"n", "200"}, {"sleep", "false"}}, 2, 90, 200, 0};
-    const uint64_t hash = expected_hash(&s);
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
-    move_with_any_colours(&s, hash, seed, comm);
-    MPI_Comm_free(&comm);
-}
-
-static uint32_t most_own(const moving *m, MPI_Comm comm)
-{
-    uint32_t most = m->domains[0].n_own;
-    MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_UINT32_T, MPI_MAX, comm);
+    uint32_t most = c->moving->domains[0].n_own;
+    MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_UINT32_T, MPI_MAX, c->ranks.comm);
     return most;
 }
 
 // All bodies are one domain's, and the world is cut anew in the next step.
 static void borders_follow_bodies(void)
 {
-    const duet_setting settings[] = {{"n", "400"}};
-    MPI_Comm comm = group_of(4);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_error err = {0};
+    const moving_scene s = {"orbit2d", {{"n", "400"}}, 1, 0, 0, 0};
     duet_cluster_motion_result result;
-    duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, "orbit2d", settings, 1, NULL, &err), err);
+    duet_cluster *cluster = begin_on(4, duet_default_cluster_def(), &s);
+    if (!cluster)
+        return;
     moving *m = cluster->moving;
     for (uint32_t k = 1; k < m->cuts.n; ++k)
         m->cuts.planes[k] = (bisection_plane){1e6, 0};
-    MUST_OK(moving_settle(m, &err), err);
-    MUST(most_own(m, comm) == 400, "all are of one domain");
-    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
-    MUST(most_own(m, comm) <= 104, "a quarter is each domain's");
+    must(moving_settle(m, ERR));
+    MUST(most_own(cluster) == 400, "all are of one domain");
+    must(duet_cluster_advance(cluster, &result, ERR));
+    MUST(most_own(cluster) <= 104, "a quarter is each domain's");
     duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // ---------------------------------------------------------------- checkpoints
@@ -593,23 +522,18 @@ static void borders_follow_bodies(void)
 static uint64_t go_on(int n_ranks, uint32_t parts, uint32_t steps, const char *from, const char *to)
 {
     const duet_setting settings[] = {{"n", "90"}};
-    duet_error err = {0};
     uint64_t hash = 0;
     duet_cluster_motion_result result;
     duet_cluster_def def = duet_default_cluster_def();
-    MPI_Comm comm = group_of(n_ranks);
-    def.comm = &comm;
     def.parts = parts;
-    if (comm != MPI_COMM_NULL) {
-        duet_cluster *c = duet_cluster_create(&def, &err);
-        MUST_OK(c, err);
-        MUST_OK(duet_cluster_begin_motion(c, "falling", settings, 1, from, &err), err);
+    duet_cluster *c = cluster_of(n_ranks, def);
+    if (c) {
+        must(duet_cluster_begin_motion(c, "falling", settings, 1, from, ERR));
         for (uint32_t i = 0; i < steps; ++i)
-            MUST_OK(duet_cluster_advance(c, &result, &err), err);
-        MUST_OK(duet_cluster_get_state_hash(c, &hash, &err), err);
-        MUST_OK(!to || duet_cluster_save_motion(c, to, &err), err);
+            must(duet_cluster_advance(c, &result, ERR));
+        must(duet_cluster_get_state_hash(c, &hash, ERR));
+        must(!to || duet_cluster_save_motion(c, to, ERR));
         duet_cluster_destroy(c);
-        MPI_Comm_free(&comm);
     }
     MPI_Bcast(&hash, 1, MPI_UINT64_T, 0, MPI_COMM_WORLD);
     return hash;
@@ -617,9 +541,8 @@ static uint64_t go_on(int n_ranks, uint32_t parts, uint32_t steps, const char *f
 
 static void must_be_the_same_bytes(const char *path, const char *other)
 {
-    duet_error err = {0};
     text a = {0}, b = {0};
-    MUST_OK(text_read_file(&a, path, &err) && text_read_file(&b, other, &err), err);
+    must(text_read_file(&a, path, ERR) && text_read_file(&b, other, ERR));
     MUST(a.length == b.length && memcmp(a.chars, b.chars, a.length) == 0, other);
     text_free(&a);
     text_free(&b);
@@ -637,36 +560,23 @@ static void checkpoints_know_no_ranks(void)
         must_be_the_same_bytes(three, one);
     MUST(go_on(5, 1, 30, three, NULL) == expected, "5 ranks go on from what 3 saved");
     MUST(go_on(1, 1, 30, three, NULL) == expected, "1 rank goes on from what 3 saved");
-    remove_file(three);
-    remove_file(one);
+    job_remove(three);
+    job_remove(one);
 }
 
 // ---------------------------------------------------------------- failures
 
-static void must_refuse(const char *path, const duet_setting *settings, uint32_t n,
-                        const char *says)
-{
-    MPI_Comm comm = group_of(2);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_error err = {0};
-    duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST(!duet_cluster_begin_motion(cluster, path, settings, n, NULL, &err), path);
-    MUST_OK(strstr(err.text, says), err);
-    duet_cluster_motion_result result;
-    err = (duet_error){0};
-    MUST(!duet_cluster_advance(cluster, &result, &err), "nothing moves");
-    MUST_OK(strstr(err.text, "expected duet_cluster_begin_motion first"), err);
-    duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
-}
-
 static void what_is_not_there_is_refused(void)
 {
-    must_refuse("no_such_scene.lua", NULL, 0, "no_such_scene.lua");
+    static const char path[] = "no_such_scene.lua";
+    duet_cluster_motion_result result;
+    duet_cluster *c = cluster_of(2, duet_default_cluster_def());
+    if (!c)
+        return;
+    must_fail(duet_cluster_begin_motion(c, path, NULL, 0, NULL, ERR), DUET_STATUS_NOT_FOUND, path);
+    must_fail(duet_cluster_advance(c, &result, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "expected duet_cluster_begin_motion first");
+    duet_cluster_destroy(c);
 }
 
 // ---------------------------------------------------------------- colours
@@ -692,7 +602,6 @@ static bool are_apart(const waiting_contact *c, uint64_t n)
 static void colours_follow_from_ids(uint64_t seed)
 {
     rng r = rng_seed(seed);
-    duet_error err = {0};
     waiting_contact once[MOST_CONTACTS], twice[2 * MOST_CONTACTS];
     uint64_t n = 0, m = 0;
     for (uint32_t a = 0; a < MOST_BODIES; ++a)
@@ -705,8 +614,8 @@ static void colours_follow_from_ids(uint64_t seed)
         twice[m] = once[i];
         twice[m++].other_used = 0;
     }
-    MUST_OK(colouring_run(once, &n, &err), err);
-    MUST_OK(colouring_run(twice, &m, &err), err);
+    must(colouring_run(once, &n, ERR));
+    must(colouring_run(twice, &m, ERR));
     MUST(m == n, "contacts that two domains know are one");
     MUST(memcmp(once, twice, n * sizeof *once) == 0, "other colours");
     MUST(are_apart(once, n), "two contacts of a body have one colour");
@@ -824,13 +733,12 @@ static void closures_leave_nothing_wrong(uint64_t seed)
     rng r = rng_seed(seed);
     uint32_t times[2] = {0};
     for (int i = 0; i < 200; ++i) {
-        duet_error err = {0};
         const field f = random_field(&r);
         for (uint32_t every = 1; every <= 9; ++every) {
             ghost_colours colours[FIELD];
             border_contact border[FIELD_CONTACTS];
             closure c = closure_of(&f, every, colours, border);
-            MUST_OK(closure_find(&c, &err), err);
+            must(closure_find(&c, ERR));
             uint32_t n = must_sweep_alike(&f, &c, &r);
             times[0] += every == 1 ? n : 0;
             times[1] += every == 9 ? n : 0;
@@ -880,17 +788,16 @@ static void bodies_far_from_borders_stay(void)
 static void vectors_leave_out_their_fourth(duet_motion *m)
 {
     enum { WORDS = 32, TAKEN = 12, ROW = 5 };
-    duet_error err = {0};
     const uint32_t place = ROW;
     const row_parts whole = {.words = {WORDS}}, threes = {{0, 24}, {6, 6}, 3};
     static const uint32_t at[TAKEN] = {0, 1, 2, 4, 5, 6, 24, 25, 26, 28, 29, 30};
     uint32_t all[WORDS], in_place[TAKEN], packed[TAKEN];
     void *host = m->buffers[BODIES].host;
     MUST(motion_words(m, BODIES) == WORDS, "bodies turn");
-    MUST_OK(domain_pack_rows(m, BODIES, &whole, &place, 1, all, &err), err);
-    MUST_OK(domain_pack_rows(m, BODIES, &threes, &place, 1, in_place, &err), err);
+    must(domain_pack_rows(m, BODIES, &whole, &place, 1, all, ERR));
+    must(domain_pack_rows(m, BODIES, &threes, &place, 1, in_place, ERR));
     m->buffers[BODIES].host = NULL;
-    MUST_OK(domain_pack_rows(m, BODIES, &threes, &place, 1, packed, &err), err);
+    must(domain_pack_rows(m, BODIES, &threes, &place, 1, packed, ERR));
     m->buffers[BODIES].host = host;
     MUST(all[2] != 0 && all[7] != 0, "it falls, and has an inertia");
     for (uint32_t k = 0; k < TAKEN; ++k)
@@ -902,15 +809,10 @@ static void parts_of_rows_come_and_go(void)
 {
     static const uint32_t places[] = {17, 3, 20};
     enum { N = sizeof places / sizeof *places };
-    duet_error err = {0};
-    const duet_setting settings[] = {{"n", "80"}};
-    MPI_Comm comm = MPI_COMM_SELF;
-    const duet_cluster_def def = def_of(&comm, 2, 1);
-    duet_cluster *cluster = duet_cluster_create(&def, &err);
-    MUST_OK(cluster, err);
-    MUST_OK(duet_cluster_begin_motion(cluster, "falling", settings, 1, NULL, &err), err);
+    const moving_scene s = {"falling", {{"n", "80"}}, 1, 0, 0, 0};
+    duet_cluster *cluster = begin_on(ALONE, def_of(2, 1), &s);
     duet_cluster_motion_result result;
-    MUST_OK(duet_cluster_advance(cluster, &result, &err), err);
+    must(duet_cluster_advance(cluster, &result, ERR));
     duet_motion *m = cluster->moving->domains[0].motion;
     const uint32_t words = motion_words(m, VELOCITIES);
     const row_parts whole = {.words = {words}}, ends = {{0, words - 1}, {2, 1}, 0};
@@ -918,16 +820,16 @@ static void parts_of_rows_come_and_go(void)
     void *host = m->buffers[VELOCITIES].host;
     MUST(words == 4 && m->n > 20 && host, "rows are of four words, and the host's");
     vectors_leave_out_their_fourth(m);
-    MUST_OK(domain_pack_rows(m, VELOCITIES, &whole, places, N, before, &err), err);
-    MUST_OK(domain_pack_rows(m, VELOCITIES, &ends, places, N, packed, &err), err);
+    must(domain_pack_rows(m, VELOCITIES, &whole, places, N, before, ERR));
+    must(domain_pack_rows(m, VELOCITIES, &ends, places, N, packed, ERR));
     m->buffers[VELOCITIES].host = NULL;
-    MUST_OK(domain_pack_rows(m, VELOCITIES, &ends, places, N, again, &err), err);
+    must(domain_pack_rows(m, VELOCITIES, &ends, places, N, again, ERR));
     MUST(memcmp(packed, again, sizeof packed) == 0, "the device packs the same");
     for (uint32_t i = 0; i < 3 * N; ++i)
         again[i] += 1000 + i;
-    MUST_OK(domain_unpack_rows(m, VELOCITIES, &ends, places, N, again, &err), err);
+    must(domain_unpack_rows(m, VELOCITIES, &ends, places, N, again, ERR));
     m->buffers[VELOCITIES].host = host;
-    MUST_OK(domain_pack_rows(m, VELOCITIES, &whole, places, N, after, &err), err);
+    must(domain_pack_rows(m, VELOCITIES, &whole, places, N, after, ERR));
     for (uint32_t i = 0; i < N; ++i)
         for (uint32_t k = 0; k < words; ++k) {
             uint32_t at = k < 2 ? k : 2, more = k < 2 || k == words - 1 ? 1000 + 3 * i + at : 0;
@@ -963,22 +865,14 @@ static void times_tell_what_contacts_cost(uint64_t seed)
 
 int main(int argc, char **argv)
 {
-    const char *given = getenv("DUET_TEST_SEED");
-    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261128;
-    IGNORE_LEAKS(MPI_Init(&argc, &argv));
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    int n = 0;
-    MPI_Comm_size(MPI_COMM_WORLD, &n);
-    MUST(n == 8, "run by mpirun -np 8");
+    uint64_t seed = job_begin(&argc, &argv, 8, 20261128);
     if (rank == 0) {
-        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
         bodies_far_from_borders_stay();
         colours_follow_from_ids(seed);
         closures_leave_nothing_wrong(seed);
         times_tell_what_contacts_cost(seed);
-    }
-    if (rank == 0)
         parts_of_rows_come_and_go();
+    }
     what_is_not_there_is_refused();
     checkpoints_know_no_ranks();
     borders_change_nothing(seed);
@@ -996,9 +890,5 @@ int main(int argc, char **argv)
     bodies_are_taken_apart_as_in_one_motion();
     origin_cells_have_one_motions_bits();
     other_effects_have_one_motions_bits();
-    if (rank == 0)
-        printf("all facts hold on 1, 2, 3, 4, 5 and 8 ranks\n");
-    FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
-    MPI_Finalize();
-    return 0;
+    return job_end("all facts hold on 1, 2, 3, 4, 5 and 8 ranks");
 }

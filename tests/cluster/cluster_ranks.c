@@ -5,7 +5,7 @@
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
 #define _GNU_SOURCE // sched_setaffinity
 #include "cluster/cluster.h"
-#include "cluster/must.h"
+#include "cluster/job.h"
 
 #include "base/error.h"
 #include "base/rng.h"
@@ -30,14 +30,6 @@
 static const int groups[] = {1, 2, 3, 4, 8};
 
 enum { N_GROUPS = sizeof groups / sizeof groups[0], MOST_OBJECTS = 300 };
-
-// The first n ranks of the job; MPI_COMM_NULL on the others.
-static MPI_Comm group_of(int n)
-{
-    MPI_Comm comm;
-    MPI_Comm_split(MPI_COMM_WORLD, rank < n ? 0 : MPI_UNDEFINED, rank, &comm);
-    return comm;
-}
 
 // ---------------------------------------------------------------- objects
 
@@ -188,15 +180,14 @@ static void make_crowd(crowd *c, rng *r, uint32_t i)
 
 static uint32_t n_parts = 1; // parts of the clusters that are opened
 
-static duet_cluster *open_cluster(MPI_Comm *comm, const duet_world_def *world, double weight)
+static duet_cluster *open_cluster(int n_ranks, const duet_world_def *world, double weight)
 {
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = comm;
     def.world = *world;
     def.plain = true;
     def.weight = weight;
     def.parts = n_parts;
-    return must(duet_cluster_create(&def, ERR));
+    return cluster_of(n_ranks, def);
 }
 
 // Each object is some rank's to bring, at random: `salt` says whose.
@@ -240,30 +231,28 @@ static void must_find(duet_cluster *cluster, const crowd *c)
 
 // ---------------------------------------------------------------- facts
 
-static void on_ranks(int n, void (*fact)(MPI_Comm *comm))
+// A fact about a cluster of n ranks, for poses in 3D.
+static void on_ranks(int n, void (*fact)(duet_cluster *c))
 {
-    MPI_Comm comm = group_of(n);
-    if (comm == MPI_COMM_NULL)
-        return;
-    fact(&comm);
-    MPI_Comm_free(&comm);
+    duet_world_def world = duet_default_world_def();
+    duet_cluster *c = open_cluster(n, &world, 1);
+    if (c)
+        fact(c);
+    duet_cluster_destroy(c);
 }
 
-// A fact about a cluster of n ranks that has none of the crowd's objects yet: poses in 3D.
-typedef void crowd_fact(duet_cluster *cluster, const crowd *c, MPI_Comm comm, rng *r);
+// The same of one that has none of the crowd's objects yet.
+typedef void crowd_fact(duet_cluster *cluster, const crowd *c, rng *r);
 
 static void on_crowd(int n, uint64_t seed, double weight, crowd_fact *fact)
 {
     static crowd c;
     rng r = rng_seed(seed);
     make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(n);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_cluster *cluster = open_cluster(&comm, &c.world, weight);
-    fact(cluster, &c, comm, &r);
+    duet_cluster *cluster = open_cluster(n, &c.world, weight);
+    if (cluster)
+        fact(cluster, &c, &r);
     duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 static void random_crowds_have_the_same_pairs(uint64_t seed)
@@ -274,17 +263,15 @@ static void random_crowds_have_the_same_pairs(uint64_t seed)
         make_crowd(&c, &r, i);
         double weight = exp2(rng_between(&r, -2, 2) * (i % 2 ? rank : 0));
         for (int g = 0; g < N_GROUPS; ++g) {
-            MPI_Comm comm = group_of(groups[g]);
-            if (comm == MPI_COMM_NULL)
-                continue;
             n_parts = 1 + (i + (uint32_t)(g + rank)) * 7 % 13 % 6; // they differ from rank to rank
-            duet_cluster *cluster = open_cluster(&comm, &c.world, weight);
+            duet_cluster *cluster = open_cluster(groups[g], &c.world, weight);
             n_parts = 1;
+            if (!cluster)
+                continue;
             hand_over(cluster, &c, 0, (uint32_t)rng_seed(i).state);
             must_find(cluster, &c);
             must_find(cluster, &c); // nothing moved
             duet_cluster_destroy(cluster);
-            MPI_Comm_free(&comm);
         }
     }
 }
@@ -309,11 +296,10 @@ static void must_have_the_pairs_of(const shipped *s)
     }
     MPI_Bcast(expected, 3, MPI_UINT64_T, 0, MPI_COMM_WORLD);
     for (int g = 0; g < N_GROUPS; ++g) {
-        MPI_Comm comm = group_of(groups[g]);
-        if (comm == MPI_COMM_NULL)
-            continue;
         duet_world_def world = duet_default_world_def();
-        duet_cluster *cluster = open_cluster(&comm, &world, 1);
+        duet_cluster *cluster = open_cluster(groups[g], &world, 1);
+        if (!cluster)
+            continue;
         must(duet_cluster_load_scene(cluster, s->name, s->settings, 3, ERR));
         must(duet_cluster_set_level(cluster, s->level, ERR));
         duet_cluster_result result = step(cluster);
@@ -325,7 +311,6 @@ static void must_have_the_pairs_of(const shipped *s)
                  info->n == expected[0],
              s->name);
         duet_cluster_destroy(cluster);
-        MPI_Comm_free(&comm);
     }
 }
 
@@ -351,11 +336,9 @@ static const char other_scene[] =
     "return { dims = p.flat and 2 or 3 }\n";
 
 // The file of one rank is another one.
-static void objects_of_other_kinds_are_refused(MPI_Comm *comm)
+static void objects_of_other_kinds_are_refused(duet_cluster *c)
 {
     static const duet_setting settings[] = {{"n", "90"}, {"flat", "true"}};
-    duet_world_def world = duet_default_world_def();
-    duet_cluster *c = open_cluster(comm, &world, 1);
     if (rank == 1)
         must(text_write_file("other.lua", other_scene, sizeof other_scene - 1, ERR));
     for (uint32_t is_flat = 0; is_flat < 2; ++is_flat) {
@@ -365,7 +348,6 @@ static void objects_of_other_kinds_are_refused(MPI_Comm *comm)
     }
     if (rank == 1)
         remove("other.lua");
-    duet_cluster_destroy(c);
 }
 
 static duet_cluster_result step_of_scene(duet_cluster *cluster, const shipped *s)
@@ -376,7 +358,7 @@ static duet_cluster_result step_of_scene(duet_cluster *cluster, const shipped *s
 }
 
 // Memory of a step is used again in the next, but for rows of another size.
-static void scenes_of_other_rows_may_follow(MPI_Comm *comm)
+static void scenes_of_other_rows_may_follow(void)
 {
     static const shipped poses = {
         "paper", {{"n", "900"}, {"world", "18"}, {"seed", "1"}}, DUET_LEVEL_DOUBLE};
@@ -385,8 +367,10 @@ static void scenes_of_other_rows_may_follow(MPI_Comm *comm)
     for (uint32_t k = 1; k < 4; k += 2) {
         n_parts = k;
         duet_world_def world = duet_default_world_def();
-        duet_cluster *a = open_cluster(comm, &world, 1), *b = open_cluster(comm, &world, 1);
+        duet_cluster *a = open_cluster(2, &world, 1), *b = open_cluster(2, &world, 1);
         n_parts = 1;
+        if (!a)
+            continue;
         step_of_scene(a, &poses);
         duet_cluster_result follows = step_of_scene(a, &large), first = step_of_scene(b, &large);
         MUST(follows.objects == 1602 && first.pairs > 100, "large poses");
@@ -399,9 +383,7 @@ static void scenes_of_other_rows_may_follow(MPI_Comm *comm)
 
 static void scenes_have_the_same_pairs(void)
 {
-    if (rank == 0)
-        must(text_write_file("cluster_ranks.lua", mixed_scene, sizeof mixed_scene - 1, ERR));
-    MPI_Barrier(MPI_COMM_WORLD);
+    job_write("cluster_ranks.lua", mixed_scene);
     static const shipped scenes[] = {
         {"paper", {{"n", "900"}, {"world", "18"}, {"giants", "2"}}, DUET_LEVEL_CERTIFIED},
         {"paper", {{"n", "900"}, {"world", "18"}, {"tiny", ".5"}}, DUET_LEVEL_AABB},
@@ -425,11 +407,9 @@ static void scenes_have_the_same_pairs(void)
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         must_have_the_pairs_of(&scenes[i]);
-    on_ranks(2, scenes_of_other_rows_may_follow);
+    scenes_of_other_rows_may_follow();
     on_ranks(3, objects_of_other_kinds_are_refused);
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (rank == 0)
-        remove("cluster_ranks.lua");
+    job_remove("cluster_ranks.lua");
 }
 
 // An object's place at a step is known by its id alone.
@@ -468,14 +448,12 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
     rng r = rng_seed(seed);
     make_crowd(&c, &r, 3); // poses in 3D
     duet_cluster *clusters[N_GROUPS] = {NULL};
-    MPI_Comm comms[N_GROUPS];
     for (int g = 0; g < N_GROUPS; ++g) {
-        comms[g] = group_of(groups[g]);
-        if (comms[g] == MPI_COMM_NULL)
-            continue;
         n_parts = g == 1 && rank == 0 ? 1 : parts_of[g];
-        clusters[g] = open_cluster(&comms[g], &c.world, 1 + rank % 2);
+        clusters[g] = open_cluster(groups[g], &c.world, 1 + rank % 2);
         n_parts = 1;
+        if (!clusters[g])
+            continue;
         hand_over(clusters[g], &c, 0, 7);
         must(g != ROUNDS || duet_cluster_set_level(clusters[g], DUET_LEVEL_DOUBLE, ERR));
     }
@@ -503,15 +481,12 @@ static void objects_that_move_have_the_references_pairs(uint64_t seed)
     MPI_Allreduce(MPI_IN_PLACE, &left, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
     MPI_Allreduce(MPI_IN_PLACE, &n_runs, 1, MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
     MUST(left > 100 && n_runs > 20 * 200, "objects changed ranks and domains");
-    for (int g = 0; g < N_GROUPS; ++g) {
+    for (int g = 0; g < N_GROUPS; ++g)
         duet_cluster_destroy(clusters[g]);
-        if (comms[g] != MPI_COMM_NULL)
-            MPI_Comm_free(&comms[g]);
-    }
 }
 
 // By the pairs that each rank hands out, when it is asked.
-static void must_list(duet_cluster *cluster, const duet_cluster_result *result, MPI_Comm comm)
+static void must_list(duet_cluster *cluster, const duet_cluster_result *result)
 {
     const duet_pair64 *own;
     uint64_t n, sums[2];
@@ -521,7 +496,7 @@ static void must_list(duet_cluster *cluster, const duet_cluster_result *result, 
     sums[1] = 0;
     for (uint64_t i = 0; i < n; ++i)
         sums[1] += pair64_hash(own[i]);
-    MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_UINT64_T, MPI_SUM, comm);
+    ranks_sum(&cluster->ranks, sums, 2);
     MUST(sums[0] == result->pairs && sums[1] == result->hash, "the pairs that were counted");
 }
 
@@ -588,20 +563,19 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
     const uint64_t first = UINT64_C(1) << 40;
     rng r = rng_seed(seed);
     make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(n);
-    if (comm == MPI_COMM_NULL) {
-        for (uint32_t at = 0; at < 32; ++at)
-            find_expected(&c);
-        return;
-    }
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
     def.world = c.world;
     def.world.pair = must(duet_device_pair_create(&pair_def, ERR));
     def.world.pair->devices[0].info.host_memory = false;
     def.world.pair->devices[1].info.host_memory = rank == 2; // one counts, and the other does not
-    duet_cluster *cluster = must(duet_cluster_create(&def, ERR));
+    duet_cluster *cluster = cluster_of(n, def);
+    for (uint32_t at = 0; !cluster && at < 32; ++at)
+        find_expected(&c);
+    if (!cluster) {
+        duet_device_pair_destroy(def.world.pair);
+        return;
+    }
     hand_over(cluster, &c, first, 7);
     uint64_t counted = 0, brought = 0, gone = 0;
     for (uint32_t at = 0; at < 32; ++at) {
@@ -627,12 +601,12 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
             brought += rank == 2 ? 0 : count_brought(cluster);
             gone += cluster->owned.leavers.n;
             if (at % 4 == 3)
-                must_list(cluster, &result, comm);
+                must_list(cluster, &result);
         }
     }
-    MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_UINT64_T, MPI_SUM, comm);
-    MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_UINT64_T, MPI_SUM, comm);
-    MPI_Allreduce(MPI_IN_PLACE, &brought, 1, MPI_UINT64_T, MPI_SUM, comm);
+    ranks_sum(&cluster->ranks, &counted, 1);
+    ranks_sum(&cluster->ranks, &gone, 1);
+    ranks_sum(&cluster->ranks, &brought, 1);
     must_keep_plans(cluster, n);
     must_keep_objects(cluster, n);
     MUST(counted > 1000 && (gone > 20 || n == 1), "devices counted, while objects left");
@@ -640,7 +614,6 @@ static void devices_that_count_have_the_references_pairs(uint64_t seed, int n)
          "of the pairs of owned objects only those that float cannot decide come");
     duet_cluster_destroy(cluster);
     duet_device_pair_destroy(def.world.pair);
-    MPI_Comm_free(&comm);
 }
 
 // On two ranks, of whose devices one have memory of their own, to which parts travel while others
@@ -650,22 +623,18 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
     static crowd c;
     rng r = rng_seed(seed);
     make_crowd(&c, &r, crowd_at);
-    MPI_Comm comm = group_of(2);
-    duet_cluster *cluster = NULL;
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = &comm;
     def.world = c.world;
     def.world.plan.mode = DUET_MODE_OWN;
     def.parts = k;
     def.drops_pairs = true;
-    if (comm != MPI_COMM_NULL) {
-        def.world.pair = must(duet_device_pair_create(&pair_def, ERR));
-        for (int i = 0; i < 2; ++i)
-            def.world.pair->devices[i].info.host_memory = rank == 1;
-        cluster = must(duet_cluster_create(&def, ERR));
+    def.world.pair = must(duet_device_pair_create(&pair_def, ERR));
+    for (int i = 0; i < 2; ++i)
+        def.world.pair->devices[i].info.host_memory = rank == 1;
+    duet_cluster *cluster = cluster_of(2, def);
+    if (cluster)
         hand_over(cluster, &c, 0, 7);
-    }
     for (uint32_t at = 0; at < 12; ++at) {
         move_crowd(&c, at);
         find_expected(&c);
@@ -677,12 +646,10 @@ static void devices_find_the_pairs_of_parts_in_place(uint64_t seed, uint32_t cro
     }
     duet_cluster_destroy(cluster);
     duet_device_pair_destroy(def.world.pair);
-    if (comm != MPI_COMM_NULL)
-        MPI_Comm_free(&comm);
 }
 
 // Any planes at all, or some of a lattice, the same on all ranks of the group.
-static void deal_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng *r)
+static void deal_anew(duet_cluster *cluster, bool on_lattice, rng *r)
 {
     partition *p = &cluster->partition;
     bisection *b = &p->parts;
@@ -691,7 +658,7 @@ static void deal_anew(duet_cluster *cluster, MPI_Comm comm, bool on_lattice, rng
         double at = rng_between(r, -8, 8);
         b->planes[i] = (bisection_plane){on_lattice ? rint(at) : at, rng_below(r, 3)};
     }
-    MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, comm);
+    MPI_Bcast(b->planes, (int)(b->n * sizeof *b->planes), MPI_BYTE, 0, cluster->ranks.comm);
     p->box = bisection_box(b, (uint32_t)duet_cluster_get_rank(cluster), &extent_all);
     owned_tidy(o);
     o->placement = PLACED_BY_RANK; // left like a rank that could not bring them to its domains
@@ -707,10 +674,9 @@ static void objects_that_are_dealt_anew_change_nothing(uint64_t seed)
     rng r = rng_seed(seed + 1);
     make_crowd(&c, &r, 3);
     for (int g = 1; g < N_GROUPS; ++g) {
-        MPI_Comm comm = group_of(groups[g]);
-        if (comm == MPI_COMM_NULL)
+        duet_cluster *cluster = open_cluster(groups[g], &c.world, 1);
+        if (!cluster)
             continue;
-        duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
         uint64_t least = UINT64_MAX, most = 0;
         cluster->migration.imbalance = 1e9; // the cut stays as it is made here
         hand_over(cluster, &c, 0, 5);
@@ -721,12 +687,11 @@ static void objects_that_are_dealt_anew_change_nothing(uint64_t seed)
             must(duet_cluster_map_owned(cluster, DUET_OBJECT_POSES, &ids, &n, ERR));
             least = n < least ? n : least;
             most = n > most ? n : most;
-            deal_anew(cluster, comm, false, &r);
+            deal_anew(cluster, false, &r);
             must_find(cluster, &c);
         }
         MUST(most > least + 50, "owned objects went to and fro");
         duet_cluster_destroy(cluster);
-        MPI_Comm_free(&comm);
     }
 }
 
@@ -811,9 +776,8 @@ static void radii_that_touch_across_ranks_collide(uint64_t seed)
             put_on_lattice(&c, id, &r);
         for (int g = 0; g < N_GROUPS; ++g) {
             rng own = rng_seed(seed + i + (uint32_t)g);
-            MPI_Comm comm = group_of(groups[g]);
             n_parts = 1 + (i + (uint32_t)g) % 3;
-            duet_cluster *cluster = comm == MPI_COMM_NULL ? NULL : open_cluster(&comm, &c.world, 1);
+            duet_cluster *cluster = open_cluster(groups[g], &c.world, 1);
             n_parts = 1;
             if (cluster) {
                 cluster->migration.imbalance = 1e9; // the cut stays as it is made here
@@ -829,11 +793,9 @@ static void radii_that_touch_across_ranks_collide(uint64_t seed)
                 if (!cluster)
                     continue;
                 move_owned(cluster, &c);
-                deal_anew(cluster, comm, true, &own);
+                deal_anew(cluster, true, &own);
             }
             duet_cluster_destroy(cluster);
-            if (comm != MPI_COMM_NULL)
-                MPI_Comm_free(&comm);
         }
     }
     free(c.pairs);
@@ -852,7 +814,7 @@ static void *extend_by_nothing(worker *w, uint32_t n, uint32_t kept, duet_error 
 // One rank has no memory for its owned objects at first: later its objects lie like those of the
 // others.
 static void objects_go_on_after_one_rank_had_no_memory(duet_cluster *cluster, const crowd *c,
-                                                       MPI_Comm comm, rng *r)
+                                                       rng *r)
 {
     duet_cluster_result result;
     worker *w = cluster->workers[0];
@@ -863,7 +825,7 @@ static void objects_go_on_after_one_rank_had_no_memory(duet_cluster *cluster, co
     must_fail(duet_cluster_step(cluster, &result, ERR), DUET_STATUS_NO_MEMORY, "rank 1 on ");
     w->extend = extend_in_truth;
     for (int at = 0; at < 5; ++at) {
-        deal_anew(cluster, comm, false, r);
+        deal_anew(cluster, false, r);
         must_find(cluster, c);
     }
 }
@@ -879,9 +841,9 @@ static bool find_some_times(worker *w, const global_ids *ids, worker_found *foun
 
 // Whichever part it fails in, ghosts leave the places of the owned objects behind it.
 static void a_search_that_fails_leaves_objects_as_they_were(duet_cluster *cluster, const crowd *c,
-                                                            MPI_Comm comm, rng *r)
+                                                            rng *r)
 {
-    (void)comm, (void)r;
+    (void)r;
     duet_cluster_result result;
     hand_over(cluster, c, 0, 5);
     find_in_truth = cluster->workers[0]->find;
@@ -897,10 +859,9 @@ static void a_search_that_fails_leaves_objects_as_they_were(duet_cluster *cluste
 }
 
 // Objects that moved away from the cut are cut anew.
-static void a_cut_that_became_uneven_is_made_anew(duet_cluster *cluster, const crowd *c,
-                                                  MPI_Comm comm, rng *r)
+static void a_cut_that_became_uneven_is_made_anew(duet_cluster *cluster, const crowd *c, rng *r)
 {
-    (void)comm, (void)r;
+    (void)r;
     hand_over(cluster, c, 0, 1);
     must_find(cluster, c);
     const uint64_t *ids;
@@ -922,10 +883,9 @@ static void count_move(worker *w)
 }
 
 // A rank's grid follows its objects once they have left where it lies, and not each step.
-static void grids_follow_objects_that_travel(duet_cluster *cluster, const crowd *c, MPI_Comm comm,
-                                             rng *r)
+static void grids_follow_objects_that_travel(duet_cluster *cluster, const crowd *c, rng *r)
 {
-    (void)comm, (void)r;
+    (void)r;
     cluster->workers[0]->forget_grids = count_move;
     hand_over(cluster, c, 0, 1);
     step(cluster);
@@ -950,11 +910,8 @@ static void parts_stay_while_they_are_even(void)
     static crowd c;
     rng r = rng_seed(12);
     make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(2);
-    duet_cluster *cluster = NULL;
     n_parts = 3;
-    if (comm != MPI_COMM_NULL)
-        cluster = open_cluster(&comm, &c.world, 1);
+    duet_cluster *cluster = open_cluster(2, &c.world, 1);
     n_parts = 1;
     if (cluster)
         hand_over(cluster, &c, 0, 1);
@@ -979,8 +936,6 @@ static void parts_stay_while_they_are_even(void)
              "both workers fit grids anew once parts are cut");
     }
     duet_cluster_destroy(cluster);
-    if (comm != MPI_COMM_NULL)
-        MPI_Comm_free(&comm);
 }
 
 static void ranks_get_objects_by_their_weights(void)
@@ -988,12 +943,11 @@ static void ranks_get_objects_by_their_weights(void)
     static crowd c;
     rng r = rng_seed(6);
     make_crowd(&c, &r, 3);
-    MPI_Comm comm = group_of(3);
-    if (comm == MPI_COMM_NULL)
-        return;
     static const double weights[] = {5e307, 5e307, 1e308}; // weights with an infinite sum
     static const uint64_t due[] = {75, 75, 150};
-    duet_cluster *cluster = open_cluster(&comm, &c.world, weights[rank]);
+    duet_cluster *cluster = open_cluster(3, &c.world, weights[rank % 3]);
+    if (!cluster)
+        return;
     duet_cluster_rank rows[3];
     hand_over(cluster, &c, 0, 1);
     duet_cluster_result result = step(cluster);
@@ -1007,7 +961,6 @@ static void ranks_get_objects_by_their_weights(void)
     }
     MUST(objects == result.objects && pairs == result.pairs, "each is counted once");
     duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // Times that a store has of rank 0, and of others that are three times as quick, ghosts included.
@@ -1023,10 +976,9 @@ static bool some_profile(worker *w, const char *path, duet_profile *profile, due
     return true;
 }
 
-static void ranks_are_weighed_by_their_stored_times(duet_cluster *cluster, const crowd *c,
-                                                    MPI_Comm comm, rng *r)
+static void ranks_are_weighed_by_their_stored_times(duet_cluster *cluster, const crowd *c, rng *r)
 {
-    (void)comm, (void)r;
+    (void)r;
     asked = cluster;
     duet_cluster_rank rows[3];
     duet_profile profile;
@@ -1064,8 +1016,7 @@ static bool find_slowly(worker *w, const global_ids *ids, worker_found *found, d
     return find_pairs(w, ids, found, err);
 }
 
-static void ranks_that_prove_slow_get_fewer_objects(duet_cluster *cluster, const crowd *c,
-                                                    MPI_Comm comm, rng *r)
+static void ranks_that_prove_slow_get_fewer_objects(duet_cluster *cluster, const crowd *c, rng *r)
 {
     (void)r;
     asked = cluster;
@@ -1076,18 +1027,18 @@ static void ranks_that_prove_slow_get_fewer_objects(duet_cluster *cluster, const
     hand_over(cluster, c, 0, 1);
     must_find(cluster, c);
     uint64_t n = owned_count(&cluster->owned);
-    MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
+    MPI_Bcast(&n, 1, MPI_UINT64_T, 0, cluster->ranks.comm);
     MUST(n > 97 && n < 103, "alike at first");
     for (int at = 0; at < 160; ++at)
         must_find(cluster, c);
     n = owned_count(&cluster->owned);
-    MPI_Bcast(&n, 1, MPI_UINT64_T, 0, comm);
+    MPI_Bcast(&n, 1, MPI_UINT64_T, 0, cluster->ranks.comm);
     MUST(n > 40 && n < 47, "3 : 1 : 1 in speed is 43 of 300 objects");
     ranks_now_ns = now_ns;
 }
 
 // Processors that several ranks may use are divided among these.
-static void each_rank_has_its_part_of_the_processors(MPI_Comm *comm)
+static void each_rank_has_its_part_of_the_processors(duet_cluster *c)
 {
     cpu_set_t all, own;
     CPU_ZERO(&own);
@@ -1097,7 +1048,7 @@ static void each_rank_has_its_part_of_the_processors(MPI_Comm *comm)
             CPU_SET(i, &own); // the first for rank 0, and another one for rank 1
     MUST(sched_setaffinity(0, sizeof own, &own) == 0, "affinity");
     ranks of_two;
-    must(ranks_begin(&of_two, comm, NULL, ERR));
+    must(ranks_begin(&of_two, &c->ranks.comm, NULL, ERR));
     double shared = 1.0 / of_two.n_on_host, expected = shared + CPU_COUNT(&own) - 1;
     MUST(fabs(of_two.processors - expected) < 1e-9, "the first one is shared");
     ranks_end(&of_two);
@@ -1106,26 +1057,24 @@ static void each_rank_has_its_part_of_the_processors(MPI_Comm *comm)
 
 // Small differences are no reason for a cut, nor are steps that were slow once; and weights that
 // were given stay.
-static void a_cut_must_pay(MPI_Comm *comm)
+static void a_cut_must_pay(duet_cluster *of)
 {
-    ranks of_two;
+    ranks *of_two = &of->ranks;
     partition c;
-    must(ranks_begin(&of_two, comm, NULL, ERR) && ranks_reserve(&of_two, ERR));
-    must(partition_begin(&c, &of_two, 0, ERR));
+    must(partition_begin(&c, of_two, 0, ERR));
     balance b;
     balance_begin(&b, rank == 0 ? 50 : 100);
     for (int at = 0; at < 800; ++at)
-        MUST(!balance_note(&b, &of_two, &c, rank == 0 ? 9.2 : 10, 1000), "4 in a hundred");
+        MUST(!balance_note(&b, of_two, &c, rank == 0 ? 9.2 : 10, 1000), "4 in a hundred");
     for (int at = 0; at < 800; ++at)
-        MUST(!balance_note(&b, &of_two, &c, rank == 0 && at % 8 ? 1000 : 10, 1000), "accidents");
+        MUST(!balance_note(&b, of_two, &c, rank == 0 && at % 8 ? 1000 : 10, 1000), "accidents");
     int steps = 1;
-    while (!balance_note(&b, &of_two, &c, rank == 0 ? 10 : 30, 1000) && steps < 1000)
+    while (!balance_note(&b, of_two, &c, rank == 0 ? 10 : 30, 1000) && steps < 1000)
         ++steps;
     MUST(steps == 32,
          "10 ms are lost a step, and a cut takes 100: the first 8 steps past 3 of them");
     MUST(fabs(c.due - (rank == 0 ? 0.75 : 0.25)) < 1e-9, "by their speeds");
     partition_end(&c);
-    ranks_end(&of_two);
 }
 
 // A giant as wide as the world touches objects of all ranks; it travels and they do not.
@@ -1140,14 +1089,12 @@ static void only_giants_travel_far(void)
             c.poses[i].centre[k] = i == 0 ? 0.0f : (float)rng_between(&r, -100, 100);
         }
     find_expected(&c);
-    MPI_Comm comm = group_of(8);
-    duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
+    duet_cluster *cluster = open_cluster(8, &c.world, 1);
     hand_over(cluster, &c, 0, 1);
     must_find(cluster, &c);
     MUST(c.n_pairs >= c.n - 1u, "the giant touches all");
     MUST(cluster->last.ghosts <= 3, "of the small ones hardly any is a ghost");
     duet_cluster_destroy(cluster);
-    MPI_Comm_free(&comm);
 }
 
 // 64 bits: the hash of ids from 2^40 on is the same for any number of ranks.
@@ -1162,10 +1109,9 @@ static void large_ids_have_one_hash(void)
         expected += pair64_hash((duet_pair64){first + c.pairs[i].a, first + c.pairs[i].b});
     MUST(expected != hash_of(&c), "other ids, another hash");
     for (int g = 0; g < N_GROUPS; ++g) {
-        MPI_Comm comm = group_of(groups[g]);
-        if (comm == MPI_COMM_NULL)
+        duet_cluster *cluster = open_cluster(groups[g], &c.world, 1);
+        if (!cluster)
             continue;
-        duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
         hand_over(cluster, &c, first, 3);
         duet_cluster_result result = step(cluster);
         MUST(result.pairs == c.n_pairs && result.hash == expected, "the hash of large ids");
@@ -1176,7 +1122,6 @@ static void large_ids_have_one_hash(void)
         for (uint64_t i = 0; i < n; ++i)
             MUST(own[i].a >= first && own[i].a < own[i].b, "global ids, a < b");
         duet_cluster_destroy(cluster);
-        MPI_Comm_free(&comm);
     }
 }
 
@@ -1196,17 +1141,16 @@ static void sorted_pairs_are_the_same_bytes(void)
     make_crowd(&c, &r, 3);
     MUST(c.n_pairs > 100, "a file worth writing");
     for (int g = 0; g < N_GROUPS; ++g) {
-        MPI_Comm comm = group_of(groups[g]);
-        if (comm == MPI_COMM_NULL)
+        duet_cluster *cluster = open_cluster(groups[g], &c.world, 1);
+        if (!cluster)
             continue;
-        duet_cluster *cluster = open_cluster(&comm, &c.world, 1);
         hand_over(cluster, &c, 0, 3);
         step(cluster);
         must(duet_cluster_save_pairs(cluster, path, false, ERR));
         text unsorted = {0}, now = {0};
         if (rank == 0)
             read_file(&unsorted, path);
-        MPI_Barrier(comm);
+        MPI_Barrier(cluster->ranks.comm);
         must(duet_cluster_save_pairs(cluster, path, true, ERR));
         if (rank == 0) {
             read_file(&now, path);
@@ -1227,20 +1171,17 @@ static void sorted_pairs_are_the_same_bytes(void)
         }
         text_free(&unsorted);
         duet_cluster_destroy(cluster);
-        MPI_Comm_free(&comm);
     }
     text_free(&first);
 }
 
 // ---------------------------------------------------------------- failures
 
-static void a_failure_is_that_of_all_ranks(MPI_Comm *comm)
+static void a_failure_is_that_of_all_ranks(duet_cluster *c)
 {
     duet_pose pose = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
     uint64_t ids[] = {7, 7};
     duet_pose two[] = {pose, pose};
-    duet_world_def world = duet_default_world_def();
-    duet_cluster *c = open_cluster(comm, &world, 1);
     duet_cluster_result result;
 
     must_fail(duet_cluster_set_objects(c, rank == 1 ? DUET_OBJECT_BOUNDS : DUET_OBJECT_POSES, ids,
@@ -1280,10 +1221,9 @@ static void a_failure_is_that_of_all_ranks(MPI_Comm *comm)
               "rank 0 on ");
     MUST(duet_cluster_get_scene_info(c) == NULL, "there is no scene");
     MUST(step(c).pairs == 15, "what was there stays");
-    duet_cluster_destroy(c);
 
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = comm;
+    def.comm = &c->ranks.comm;
     def.plain = true;
     def.weight = rank == 2 ? -1 : 1;
     must_fail(duet_cluster_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT,
@@ -1354,11 +1294,10 @@ static void an_id_that_two_ranks_bring_is_refused(uint64_t seed)
     static const int some_groups[] = {2, 3, 8};
     for (int g = 0; g < 3; ++g) {
         rng r = rng_seed(seed + (uint64_t)g);
-        MPI_Comm comm = group_of(some_groups[g]);
-        if (comm == MPI_COMM_NULL)
-            continue;
         duet_world_def world = duet_default_world_def();
-        duet_cluster *c = open_cluster(&comm, &world, 1);
+        duet_cluster *c = open_cluster(some_groups[g], &world, 1);
+        if (!c)
+            continue;
         uint64_t there = 0;
         int refused = 0, taken = 0;
         for (uint32_t round = 0; round < 36; ++round) {
@@ -1384,14 +1323,11 @@ static void an_id_that_two_ranks_bring_is_refused(uint64_t seed)
         }
         MUST(refused > 5 && taken > 5, "some of both");
         duet_cluster_destroy(c);
-        MPI_Comm_free(&comm);
     }
 }
 
-static void calls_in_another_order_are_refused(MPI_Comm *comm)
+static void calls_in_another_order_are_refused(duet_cluster *c)
 {
-    duet_world_def world = duet_default_world_def();
-    duet_cluster *c = open_cluster(comm, &world, 1);
     duet_cluster_rank rows[3];
     duet_cluster_result result;
     must_fail(rank == 1 ? duet_cluster_get_ranks(c, rows, ERR) : duet_cluster_step(c, &result, ERR),
@@ -1407,7 +1343,6 @@ static void calls_in_another_order_are_refused(MPI_Comm *comm)
                   DUET_STATUS_BAD_ARGUMENT, ", and another rank makes another call");
         MUST(step(c).pairs == 0, "no rank waits for others in the next step");
     }
-    duet_cluster_destroy(c);
 }
 
 // A rank that has no cluster is alone.
@@ -1435,10 +1370,9 @@ static void each_call_that_fails_gives_its_own_line(void)
 }
 
 // One rank's disk is full: nothing appears, and all ranks know.
-static void a_disk_that_is_full_is_told_of(duet_cluster *cluster, const crowd *c, MPI_Comm comm,
-                                           rng *r)
+static void a_disk_that_is_full_is_told_of(duet_cluster *cluster, const crowd *c, rng *r)
 {
-    (void)comm, (void)r;
+    (void)r;
     struct rlimit before, little = {.rlim_cur = 200};
     hand_over(cluster, c, 0, 3);
     step(cluster);
@@ -1452,6 +1386,8 @@ static void a_disk_that_is_full_is_told_of(duet_cluster *cluster, const crowd *c
     MUST(setrlimit(RLIMIT_FSIZE, &before) == 0, "a limit");
     MUST(access("cluster_full.npy", F_OK) != 0, "no file appears");
 }
+
+#define REFUSED(call) must_fail(call, DUET_STATUS_BAD_ARGUMENT, "")
 
 // Every call refuses NULL; what is not a cluster has no ranks.
 static void nothing_is_refused(void)
@@ -1469,7 +1405,6 @@ static void nothing_is_refused(void)
          "no ranks");
     MUST(!duet_cluster_get_scene_info(NULL), "no scene");
     duet_cluster_destroy(NULL);
-#define REFUSED(call) must_fail(call, DUET_STATUS_BAD_ARGUMENT, "")
     REFUSED(duet_cluster_create(NULL, ERR));
     REFUSED(duet_cluster_load_scene(NULL, "paper", NULL, 0, ERR));
     REFUSED(duet_cluster_set_objects(NULL, DUET_OBJECT_POSES, NULL, NULL, 0, ERR));
@@ -1481,13 +1416,14 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_get_ranks(NULL, rows, ERR));
     REFUSED(duet_cluster_get_own_pairs(NULL, &pairs, &n_pairs, ERR));
     REFUSED(duet_cluster_save_pairs(NULL, "p.npy", true, ERR));
+}
 
-    MPI_Comm comm = group_of(2);
-    if (comm == MPI_COMM_NULL)
-        return;
-    duet_world_def world = duet_default_world_def();
-    duet_cluster *c = open_cluster(&comm, &world, 1);
-    uint64_t id = 0;
+static void arguments_that_are_missing_or_wrong_are_refused(duet_cluster *c)
+{
+    const duet_pair64 *pairs;
+    const uint64_t *ids;
+    uint64_t id = 0, n_pairs;
+    uint32_t n;
     REFUSED(duet_cluster_load_scene(c, NULL, NULL, 0, ERR));
     REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, NULL, &id, 1, ERR));
     REFUSED(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, NULL, 1, ERR));
@@ -1507,9 +1443,15 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_get_own_pairs(c, &pairs, NULL, ERR));
     must(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, ERR));
     MUST(pairs && n_pairs == 0, "no pairs");
-    duet_cluster_destroy(c);
+}
+
+static void worlds_that_are_wrong_are_refused(duet_cluster *of)
+{
+    duet_cluster_result result;
+    const duet_pair64 *pairs;
+    uint64_t n_pairs;
     duet_cluster_def wrong = duet_default_cluster_def();
-    wrong.comm = &comm;
+    wrong.comm = &of->ranks.comm;
     wrong.plain = true;
     wrong.world.compact_transforms = true; // else they would be taken for poses
     REFUSED(duet_cluster_create(&wrong, ERR));
@@ -1530,9 +1472,9 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.parts = 1;
     wrong.drops_pairs = true;
-    c = must(duet_cluster_create(&wrong, ERR));
-    duet_pose unit = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
-    id = (uint64_t)rank;
+    duet_cluster *c = must(duet_cluster_create(&wrong, ERR));
+    const duet_pose unit = {.half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+    const uint64_t id = (uint64_t)rank;
     must(duet_cluster_set_objects(c, DUET_OBJECT_POSES, &id, &unit, 1, ERR));
     REFUSED(duet_cluster_set_level(c, rank == 0 ? DUET_LEVEL_AABB : (duet_level)99, ERR));
     MUST(c->def.world.level == DUET_LEVEL_CERTIFIED, "the level of all ranks stays");
@@ -1543,8 +1485,6 @@ static void nothing_is_refused(void)
     REFUSED(duet_cluster_get_own_pairs(c, &pairs, &n_pairs, ERR));
     REFUSED(duet_cluster_save_pairs(c, "p.npy", true, ERR));
     duet_cluster_destroy(c);
-    MPI_Comm_free(&comm);
-#undef REFUSED
 }
 
 // ---------------------------------------------------------------- levels
@@ -1788,15 +1728,7 @@ static void calls_are_made_beside_loops(void)
 
 int main(int argc, char **argv)
 {
-    const char *given = getenv("DUET_TEST_SEED");
-    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261122;
-    IGNORE_LEAKS(MPI_Init(&argc, &argv));
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    int n = 0;
-    MPI_Comm_size(MPI_COMM_WORLD, &n);
-    MUST(n == 8, "run by mpirun -np 8");
-    if (rank == 0)
-        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
+    uint64_t seed = job_begin(&argc, &argv, 8, 20261122);
     levels_are_octaves_below_the_widest();
     a_part_is_its_box();
     what_is_skimmed_is_deep_inside();
@@ -1805,6 +1737,8 @@ int main(int argc, char **argv)
     if (rank == 0)
         calls_are_made_beside_loops();
     nothing_is_refused();
+    on_ranks(2, arguments_that_are_missing_or_wrong_are_refused);
+    on_ranks(2, worlds_that_are_wrong_are_refused);
     on_ranks(3, a_failure_is_that_of_all_ranks);
     an_id_that_two_ranks_bring_is_refused(seed);
     on_ranks(3, calls_in_another_order_are_refused);
@@ -1834,9 +1768,5 @@ int main(int argc, char **argv)
     only_giants_travel_far();
     large_ids_have_one_hash();
     sorted_pairs_are_the_same_bytes();
-    if (rank == 0)
-        printf("all facts hold on 1, 2, 3, 4 and 8 ranks\n");
-    FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
-    MPI_Finalize();
-    return 0;
+    return job_end("all facts hold on 1, 2, 3, 4 and 8 ranks");
 }

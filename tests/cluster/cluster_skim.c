@@ -3,7 +3,7 @@
 // whose devices skim find the pairs of ranks whose devices do not. The CPU's parts here are told
 // that they have memory of their own.
 #include "cluster/cluster.h"
-#include "cluster/must.h"
+#include "cluster/job.h"
 #include "cluster/worker_pair.h"
 
 #include "base/error.h"
@@ -201,10 +201,9 @@ static void a_worker_keeps_its_objects(void)
 
 // ---------------------------------------------------------------- ranks
 
-static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
+static duet_cluster *open_cluster(int n_ranks, bool skims, uint32_t n_parts)
 {
     duet_cluster_def def = duet_default_cluster_def();
-    def.comm = comm;
     def.plain = !skims;
     def.weight = 1;
     def.parts = n_parts;
@@ -212,7 +211,7 @@ static duet_cluster *open_cluster(MPI_Comm *comm, bool skims, uint32_t n_parts)
     def.world.pair = skims ? devices : NULL;
     def.world.plan.share = 0;
     def.world.plan.mode = DUET_MODE_OWN;
-    return must(duet_cluster_create(&def, ERR));
+    return cluster_of(n_ranks, def);
 }
 
 static worker_pair *worker_of(duet_cluster *c)
@@ -302,20 +301,20 @@ static bool is_quiet(uint32_t at)
            at != FAILS + 1;
 }
 
-static uint64_t sum_of(MPI_Comm *comm, uint64_t own)
+static uint64_t sum_of(duet_cluster *c, uint64_t own)
 {
-    MPI_Allreduce(MPI_IN_PLACE, &own, 1, MPI_UINT64_T, MPI_SUM, *comm);
+    ranks_sum(&c->ranks, &own, 1);
     return own;
 }
 
-static void must_be_listed(MPI_Comm *comm, duet_cluster *c, uint64_t hash)
+static void must_be_listed(duet_cluster *c, uint64_t hash)
 {
     const duet_pair64 *pairs;
     uint64_t n, own = 0;
     must(duet_cluster_get_own_pairs(c, &pairs, &n, ERR));
     for (uint64_t k = 0; k < n; ++k)
         own += pair64_hash(pairs[k]);
-    MUST(sum_of(comm, own) == hash, "they are listed");
+    MUST(sum_of(c, own) == hash, "they are listed");
 }
 
 // A second step finds the same, and so does one whose kernels may be others.
@@ -333,9 +332,9 @@ static void must_find_again(duet_cluster *c, const duet_cluster_result *first)
     }
 }
 
-static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
+static void ranks_that_skim_find_the_same_pairs(int n_ranks, uint64_t seed)
 {
-    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
+    duet_cluster *clusters[] = {open_cluster(n_ranks, true, 1), open_cluster(n_ranks, false, 1)};
     uint64_t left = 0, apart = 0, left_apart = 0, timed = 0;
     part *b = &worker_of(clusters[0])->world->parts[1];
     skim_in_truth = clusters[0]->workers[0]->skim;
@@ -367,14 +366,15 @@ static void ranks_that_skim_find_the_same_pairs(MPI_Comm *comm, uint64_t seed)
              "the pairs are the reference's");
         apart += (clusters[0]->search == SEARCH_OVERLAPPED);
         left_apart += (clusters[0]->search == SEARCH_OVERLAPPED) ? clusters[0]->owned.leavers.n : 0;
-        must_be_listed(comm, clusters[0], results[0].hash);
+        must_be_listed(clusters[0], results[0].hash);
         if (at == AGAIN)
             must_find_again(clusters[0], &results[0]);
     }
     MUST(timed > 0 && timed < STEPS / 2,
          "few steps are timed, as on any device with its own memory");
-    MUST(clusters[0]->ranks.n == 1 || sum_of(comm, left) > 100, "objects changed ranks");
-    MUST(clusters[0]->ranks.n == 1 || (sum_of(comm, apart) > 6 && sum_of(comm, left_apart) > 50),
+    MUST(clusters[0]->ranks.n == 1 || sum_of(clusters[0], left) > 100, "objects changed ranks");
+    MUST(clusters[0]->ranks.n == 1 ||
+             (sum_of(clusters[0], apart) > 6 && sum_of(clusters[0], left_apart) > 50),
          "owned objects were searched while ghosts travelled, where objects changed ranks, too");
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
@@ -387,10 +387,10 @@ static void take_all_threads(duet_cluster *c)
 }
 
 // Several threads look at each chunk, and then at the next.
-static void objects_leave_in_the_order_of_their_rows(MPI_Comm *comm, uint64_t seed)
+static void objects_leave_in_the_order_of_their_rows(int n_ranks, uint64_t seed)
 {
     duet_cluster_result result;
-    duet_cluster *c = open_cluster(comm, true, 1);
+    duet_cluster *c = open_cluster(n_ranks, true, 1);
     const row_list *l = &c->owned.leavers;
     take_all_threads(c);
     hand_over(c, MANY, seed);
@@ -433,10 +433,10 @@ static void *fail_to_map(worker *w, uint32_t n, duet_error *err)
     } while (0)
 
 // A rank that has no memory for newcomers: none comes to any, and all do in the next step.
-static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed)
+static void newcomers_come_to_all_ranks_or_to_none(int n_ranks, uint64_t seed)
 {
     enum { MISSES = 3, ENDS = 6 };
-    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
+    duet_cluster *clusters[] = {open_cluster(n_ranks, true, 1), open_cluster(n_ranks, false, 1)};
     worker *w = clusters[0]->workers[0];
     duet_cluster_result results[2];
     uint64_t left = 0;
@@ -456,15 +456,15 @@ static void newcomers_come_to_all_ranks_or_to_none(MPI_Comm *comm, uint64_t seed
         left += at == MISSES ? clusters[0]->owned.leavers.n : 0;
         MUST(results[0].objects == N && results[0].hash == results[1].hash, "all are there, once");
     }
-    MUST(sum_of(comm, left) > 10, "some left");
+    MUST(sum_of(clusters[0], left) > 10, "some left");
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
 }
 
 // A rank that has no memory for its owned objects: none has them, and all do at the next call.
-static void objects_are_mapped_by_all_ranks_or_by_none(MPI_Comm *comm, uint64_t seed)
+static void objects_are_mapped_by_all_ranks_or_by_none(int n_ranks, uint64_t seed)
 {
-    duet_cluster *c = open_cluster(comm, true, 1);
+    duet_cluster *c = open_cluster(n_ranks, true, 1);
     worker *w = c->workers[0];
     const uint64_t *ids = NULL;
     uint32_t n = 0;
@@ -501,10 +501,10 @@ static void drift(duet_pose *p, uint64_t id, uint32_t at)
 }
 
 // Few objects lie at boundaries, or so many that several threads look at them.
-static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, uint32_t n_parts,
-                                            bool thin)
+static void large_parts_find_the_same_pairs(int n_ranks, uint64_t seed, uint32_t n_parts, bool thin)
 {
-    duet_cluster *clusters[] = {open_cluster(comm, true, n_parts), open_cluster(comm, true, 1)};
+    duet_cluster *clusters[] = {open_cluster(n_ranks, true, n_parts),
+                                open_cluster(n_ranks, true, 1)};
     duet_cluster *c = clusters[0];
     size = thin ? 0.3f : 1;
     for (int i = 0; i < 2; ++i) {
@@ -525,7 +525,7 @@ static void large_parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, uint3
         MUST(thin ? c->owned.boundary.n < c->owned.rows.n / 8 : c->owned.boundary.n > 1 << 12,
              "few are at boundaries, or many");
         MUST(at == 0 || c->owned.runs.n > 10 * n_parts, "objects changed domains");
-        must_be_listed(comm, c, results[0].hash);
+        must_be_listed(c, results[0].hash);
     }
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
@@ -541,10 +541,11 @@ static void spoil(duet_cluster *clusters[2])
 
 // Whether pairs are listed or only counted, and also if objects leap, swell or are bad for a
 // moment.
-static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
+static void parts_find_the_same_pairs(int n_ranks, uint64_t seed, bool drops)
 {
     enum { PARTS = 5 };
-    duet_cluster *clusters[] = {open_cluster(comm, true, PARTS), open_cluster(comm, false, 1)};
+    duet_cluster *clusters[] = {open_cluster(n_ranks, true, PARTS),
+                                open_cluster(n_ranks, false, 1)};
     duet_cluster *c = clusters[0];
     c->def.drops_pairs = drops;
     take_all_threads(c);
@@ -569,7 +570,7 @@ static void parts_find_the_same_pairs(MPI_Comm *comm, uint64_t seed, bool drops)
         }
         MUST(at == 0 || c->owned.runs.n > 2 * PARTS, "objects changed domains");
         if (!drops)
-            must_be_listed(comm, c, results[1].hash);
+            must_be_listed(c, results[1].hash);
     }
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
@@ -589,10 +590,10 @@ static void change(duet_cluster *c, uint32_t what)
 }
 
 // Whatever was called between two steps.
-static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t seed)
+static void any_order_of_calls_finds_the_same_pairs(int n_ranks, uint64_t seed)
 {
     enum { CALLS = 60, CHANGES = 4, MOVES = 5, FEW = 3000 };
-    duet_cluster *clusters[] = {open_cluster(comm, true, 1), open_cluster(comm, false, 1)};
+    duet_cluster *clusters[] = {open_cluster(n_ranks, true, 1), open_cluster(n_ranks, false, 1)};
     rng r = rng_seed(seed + 1);
     uint64_t apart = 0, steps = 0;
     duet_cluster_result results[2] = {{0}};
@@ -616,9 +617,9 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
         MUST(results[0].hash == results[1].hash && results[0].pairs == results[1].pairs,
              "the pairs are the reference's");
         if (steps_now && what % 2)
-            must_be_listed(comm, clusters[0], results[0].hash);
+            must_be_listed(clusters[0], results[0].hash);
     }
-    MUST(steps > 20 && (clusters[0]->ranks.n == 1 || sum_of(comm, apart) > 10),
+    MUST(steps > 20 && (clusters[0]->ranks.n == 1 || sum_of(clusters[0], apart) > 10),
          "owned objects were searched while ghosts travelled");
     for (int i = 0; i < 2; ++i)
         duet_cluster_destroy(clusters[i]);
@@ -626,14 +627,8 @@ static void any_order_of_calls_finds_the_same_pairs(MPI_Comm *comm, uint64_t see
 
 int main(int argc, char **argv)
 {
-    const char *given = getenv("DUET_TEST_SEED");
-    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261123;
+    uint64_t seed = job_begin(&argc, &argv, 2, 20261123);
     rng r = rng_seed(seed);
-    MPI_Comm self = MPI_COMM_SELF, world = MPI_COMM_WORLD;
-    IGNORE_LEAKS(MPI_Init(&argc, &argv));
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    if (rank == 0)
-        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
     open_devices();
     if (rank == 0) { // with a group of one, as on a CPU, and of many
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd");
@@ -642,26 +637,22 @@ int main(int argc, char **argv)
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
         a_worker_keeps_its_objects();
-        ranks_that_skim_find_the_same_pairs(&self, seed);
-        large_parts_find_the_same_pairs(&self, seed, 3, false);
-        large_parts_find_the_same_pairs(&self, seed, 3, true);
-        parts_find_the_same_pairs(&self, seed, true);
-        parts_find_the_same_pairs(&self, seed, false);
+        ranks_that_skim_find_the_same_pairs(ALONE, seed);
+        large_parts_find_the_same_pairs(ALONE, seed, 3, false);
+        large_parts_find_the_same_pairs(ALONE, seed, 3, true);
+        parts_find_the_same_pairs(ALONE, seed, true);
+        parts_find_the_same_pairs(ALONE, seed, false);
     }
     MPI_Barrier(MPI_COMM_WORLD);
-    ranks_that_skim_find_the_same_pairs(&world, seed);
-    any_order_of_calls_finds_the_same_pairs(&world, seed);
-    objects_leave_in_the_order_of_their_rows(&world, seed);
-    newcomers_come_to_all_ranks_or_to_none(&world, seed);
-    objects_are_mapped_by_all_ranks_or_by_none(&world, seed);
-    large_parts_find_the_same_pairs(&world, seed, 2, true);
-    parts_find_the_same_pairs(&world, seed, true);
-    parts_find_the_same_pairs(&world, seed, false);
+    ranks_that_skim_find_the_same_pairs(2, seed);
+    any_order_of_calls_finds_the_same_pairs(2, seed);
+    objects_leave_in_the_order_of_their_rows(2, seed);
+    newcomers_come_to_all_ranks_or_to_none(2, seed);
+    objects_are_mapped_by_all_ranks_or_by_none(2, seed);
+    large_parts_find_the_same_pairs(2, seed, 2, true);
+    parts_find_the_same_pairs(2, seed, true);
+    parts_find_the_same_pairs(2, seed, false);
     duet_device_pair_destroy(devices);
     MUST(device_live_objects() == 0, "no OpenCL object is left");
-    if (rank == 0)
-        printf("all facts hold\n");
-    FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
-    MPI_Finalize();
-    return 0;
+    return job_end("all facts hold");
 }

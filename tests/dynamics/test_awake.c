@@ -62,10 +62,10 @@ TEST(sleepers_that_lose_their_support_move_as_if_all_were_gone_over)
         most = step >= 240 && moving > most ? moving : most;
         if (step == 240) {
             const duet_impulse push = {.impulse = {0, 4, 0}};
-            assert_done(duet_motion_disable_bodies(few->motion, one(taken), &err));
-            assert_done(duet_motion_disable_bodies(many->motion, one(taken), &err));
-            assert_done(duet_motion_apply_impulses(few->motion, one(thrown), &push, &err));
-            assert_done(duet_motion_apply_impulses(many->motion, one(thrown), &push, &err));
+            must(duet_motion_disable_bodies(few->motion, one(taken), ERR));
+            must(duet_motion_disable_bodies(many->motion, one(taken), ERR));
+            must(duet_motion_apply_impulses(few->motion, one(thrown), &push, ERR));
+            must(duet_motion_apply_impulses(many->motion, one(thrown), &push, ERR));
         }
     }
     assert_int_equal(least, 0);

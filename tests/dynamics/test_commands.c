@@ -28,15 +28,15 @@ TEST(a_field_that_is_set_is_what_the_step_begins_with)
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 4);
     const duet_body fast = {.velocity = {1, 2, 6}, .angular_velocity = {0, 0, 3}, .mass = 9};
-    assert_done(duet_motion_set_bodies(m->motion, one(2), DUET_BODY_VELOCITY, &fast, &err));
-    assert_done(duet_motion_get_states(m->motion, m->states, &err));
+    must(duet_motion_set_bodies(m->motion, one(2), DUET_BODY_VELOCITY, &fast, ERR));
+    must(duet_motion_get_states(m->motion, m->states, ERR));
     assert_close(m->states[2].velocity[2], 6, 0);
     assert_close(m->states[2].angular_velocity[2], 0, 0);
     mover_run(m, 1);
     assert_close(m->states[2].velocity[2], 6 - 9.81 / 60, 1e-4);
     assert_close(mover_speed(m, 1) + mover_speed(m, 3), 0, 0); // they sleep on
     duet_energy before = mover_energy(m);
-    assert_done(duet_motion_set_bodies(m->motion, one(2), DUET_BODY_MASS, &fast, &err));
+    must(duet_motion_set_bodies(m->motion, one(2), DUET_BODY_MASS, &fast, ERR));
     assert_close(mover_energy(m).momentum[2], 9 * before.momentum[2], 1e-5);
 }
 
@@ -47,7 +47,7 @@ TEST(a_pose_that_is_set_wakes_and_falls)
     duet_pose high = m->poses[1];
     high.centre[2] = 10;
     high.half_extents[2] = 1;
-    assert_done(duet_motion_set_poses(m->motion, one(1), &high, &err));
+    must(duet_motion_set_poses(m->motion, one(1), &high, ERR));
     mover_run(m, 1);
     assert_close(m->states[1].centre[2], 10, 0.01);
     mover_run(m, 200);
@@ -71,33 +71,38 @@ TEST(wrong_commands_are_refused_by_name_and_change_nothing)
     const duet_transform there = {.rotation = {0, 0, 0, 1}};
     const uint32_t mass = DUET_BODY_MASS, friction = DUET_BODY_FRICTION;
     b.mass = -1;
-    assert_refused(duet_motion_set_bodies(motion, one(1), mass, &b, &err), "mass must be 0");
+    must_fail(duet_motion_set_bodies(motion, one(1), mass, &b, ERR), ANY_FAILURE, "mass must be 0");
     b = duet_default_body();
     b.friction = 0.5f;
-    assert_refused(duet_motion_set_bodies(motion, one(1), friction, &b, &err),
-                   "body 0 of 1 needs the effect friction");
+    must_fail(duet_motion_set_bodies(motion, one(1), friction, &b, ERR), ANY_FAILURE,
+              "body 0 of 1 needs the effect friction");
     b.fixed_rotation = false;
-    assert_refused(duet_motion_set_bodies(motion, one(1), DUET_BODY_FIXED_ROTATION, &b, &err),
-                   "needs the effect angular_velocity");
-    assert_refused(duet_motion_set_bodies(motion, one(1), 1u << 30, &b, &err), "duet_body_field");
-    assert_refused(duet_motion_set_bodies(motion, one(2), mass, &b, &err), "no body 2");
-    assert_refused(duet_motion_set_bodies(motion, by_ids(ids, 2), mass, &b, &err), "no body 2");
-    assert_refused(duet_motion_remove_bodies(motion, by_ids(again, 2), &err), "listed twice");
-    assert_refused(duet_motion_apply_forces(motion, one(1), &force, &err), "effect forces");
-    assert_refused(duet_motion_sleep_bodies(motion, one(1), &err), "effect sleep");
-    assert_refused(duet_motion_apply_impulses(motion, one(1), &impulse, &err), "not finite");
-    assert_refused(duet_motion_set_targets(motion, one(1), &there, &err), "mass of 1");
+    must_fail(duet_motion_set_bodies(motion, one(1), DUET_BODY_FIXED_ROTATION, &b, ERR),
+              ANY_FAILURE, "needs the effect angular_velocity");
+    must_fail(duet_motion_set_bodies(motion, one(1), 1u << 30, &b, ERR), ANY_FAILURE,
+              "duet_body_field");
+    must_fail(duet_motion_set_bodies(motion, one(2), mass, &b, ERR), ANY_FAILURE, "no body 2");
+    must_fail(duet_motion_set_bodies(motion, by_ids(ids, 2), mass, &b, ERR), ANY_FAILURE,
+              "no body 2");
+    must_fail(duet_motion_remove_bodies(motion, by_ids(again, 2), ERR), ANY_FAILURE,
+              "listed twice");
+    must_fail(duet_motion_apply_forces(motion, one(1), &force, ERR), ANY_FAILURE, "effect forces");
+    must_fail(duet_motion_sleep_bodies(motion, one(1), ERR), ANY_FAILURE, "effect sleep");
+    must_fail(duet_motion_apply_impulses(motion, one(1), &impulse, ERR), ANY_FAILURE, "not finite");
+    must_fail(duet_motion_set_targets(motion, one(1), &there, ERR), ANY_FAILURE, "mass of 1");
     m->poses[1].rotation[0] = 1;
-    assert_refused(duet_motion_set_poses(motion, one(1), &m->poses[1], &err), "effect rotation");
+    must_fail(duet_motion_set_poses(motion, one(1), &m->poses[1], ERR), ANY_FAILURE,
+              "effect rotation");
     m->poses[1].half_extents[0] = -1;
-    assert_refused(duet_motion_add_bodies(motion, &m->poses[1], NULL, 1, NULL, &err),
-                   "half extent is negative");
+    must_fail(duet_motion_add_bodies(motion, &m->poses[1], NULL, 1, NULL, ERR), ANY_FAILURE,
+              "half extent is negative");
     duet_motion_def def = *duet_motion_get_def(motion);
     def.dt = 1;
-    assert_refused(duet_motion_set_def(motion, &def, &err), "dt is 1; expected the motion's");
+    must_fail(duet_motion_set_def(motion, &def, ERR), ANY_FAILURE,
+              "dt is 1; expected the motion's");
     def = *duet_motion_get_def(motion);
     def.drag = 1;
-    assert_refused(duet_motion_set_def(motion, &def, &err), "effect drag");
+    must_fail(duet_motion_set_def(motion, &def, ERR), ANY_FAILURE, "effect drag");
     assert_true(mover_hash(m) == hash);
     mover_run(m, 1);
 }
@@ -113,12 +118,12 @@ TEST(what_two_bodies_call_for_together_is_asked_of_the_motion)
     duet_body bodies[2] = {duet_default_body(), duet_default_body()};
     bodies[1].mass = 0;
     bodies[1].friction = 0.5f;
-    assert_refused(duet_motion_add_bodies(m->motion, there, bodies, 2, NULL, &err),
-                   "body 1 of 2 needs the effect contact_response");
+    must_fail(duet_motion_add_bodies(m->motion, there, bodies, 2, NULL, ERR), ANY_FAILURE,
+              "body 1 of 2 needs the effect contact_response");
     assert_int_equal(duet_motion_get_count(m->motion), 1);
-    assert_done(duet_motion_add_bodies(m->motion, there, bodies, 1, NULL, &err));
-    assert_refused(duet_motion_add_bodies(m->motion, &there[1], &bodies[1], 1, NULL, &err),
-                   "body 0 of 1 needs the effect contact_response");
+    must(duet_motion_add_bodies(m->motion, there, bodies, 1, NULL, ERR));
+    must_fail(duet_motion_add_bodies(m->motion, &there[1], &bodies[1], 1, NULL, ERR), ANY_FAILURE,
+              "body 0 of 1 needs the effect contact_response");
 }
 
 TEST(gravity_can_change_while_all_sleep)
@@ -128,7 +133,7 @@ TEST(gravity_can_change_while_all_sleep)
     assert_int_equal(n_asleep(m), 3);
     duet_motion_def def = *duet_motion_get_def(m->motion);
     def.gravity[2] = 3;
-    assert_done(duet_motion_set_def(m->motion, &def, &err));
+    must(duet_motion_set_def(m->motion, &def, ERR));
     mover_run(m, 60);
     assert_close(m->states[1].velocity[2], 3, 0.05);
 }
@@ -150,7 +155,7 @@ TEST(a_force_holds_for_one_step_and_can_carry_a_weight)
             // 2/3 of a kg m^2 about y, so that a second of 1 N m gives 12 / 2 rad/s
             const duet_force lift = {.force = {0, 0, 20}, .torque = {0, 1, 0}};
             for (int step = 0; step < 60; ++step) {
-                assert_done(duet_motion_apply_forces(m->motion, one(id), &lift, &err));
+                must(duet_motion_apply_forces(m->motion, one(id), &lift, ERR));
                 mover_run(m, 1);
             }
             double inertia = 2.0 / 3 * (0.25 + 0.25);
@@ -170,7 +175,7 @@ TEST(an_impulse_beside_the_centre_turns)
     m->bodies[id].mass = 3;
     mover_run(m, 0);
     const duet_impulse hit = {.impulse = {0, 6, 0}, .anchor = {0.5f, 0, 0}};
-    assert_done(duet_motion_apply_impulses(m->motion, one(id), &hit, &err));
+    must(duet_motion_apply_impulses(m->motion, one(id), &hit, ERR));
     mover_run(m, 1);
     assert_close(m->states[id].velocity[1], 2, 1e-6);
     assert_close(m->states[id].angular_velocity[2], 0.5 * 6 / 2, 1e-6); // a cube: m/6 edge^2
@@ -194,8 +199,8 @@ TEST(a_target_is_reached_exactly_and_carries_what_lies_on_it)
         float angle = 0.5f * (float)step / 120;
         const duet_transform there = {{(float)step / 100, 0, 1 + (float)step / 60},
                                       {0, 0, sinf(angle / 2), cosf(angle / 2)}};
-        assert_done(duet_motion_set_targets(m->motion, one(lift), &there, &err));
-        assert_done(duet_motion_get_states(m->motion, m->states, &err));
+        must(duet_motion_set_targets(m->motion, one(lift), &there, ERR));
+        must(duet_motion_get_states(m->motion, m->states, ERR));
         assert_close(m->states[lift].velocity[2], 1, 1e-4);
         mover_run(m, 1);
         assert_close(m->states[lift].centre[2], (double)there.centre[2], 0);
@@ -218,7 +223,7 @@ TEST(what_has_no_mass_and_moves_wakes_what_it_newly_reaches)
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 4);
     const duet_body pushes = {.velocity = {2, 0, 0}};
-    assert_done(duet_motion_set_bodies(m->motion, one(ram), DUET_BODY_VELOCITY, &pushes, &err));
+    must(duet_motion_set_bodies(m->motion, one(ram), DUET_BODY_VELOCITY, &pushes, ERR));
     mover_run(m, 90); // 2 m to the first cube, and then 1 m with it
     assert_close(m->states[1].centre[0], 1, 0.05);
 }
@@ -231,7 +236,7 @@ TEST(a_target_wakes_what_it_reaches_in_one_step)
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 3);
     const duet_transform there = {{0.8f, 0, 0.6f}, {0, 0, 0, 1}};
-    assert_done(duet_motion_set_targets(m->motion, one(ram), &there, &err));
+    must(duet_motion_set_targets(m->motion, one(ram), &there, ERR));
     mover_run(m, 30);
     assert_true(m->states[1].centre[0] < -0.1); // pushed out
 }
@@ -247,7 +252,7 @@ TEST(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours)
     duet_pose away = m->poses[shelf];
     away.centre[0] = 0.9f; // into the first cube
     away.centre[2] = 0.25f;
-    assert_done(duet_motion_set_poses(m->motion, one(shelf), &away, &err));
+    must(duet_motion_set_poses(m->motion, one(shelf), &away, ERR));
     mover_run(m, 30);
     assert_true(m->states[book].centre[2] < 3); // nothing holds it
     assert_true(m->states[1].centre[2] > 0.6);  // pushed out
@@ -262,29 +267,31 @@ TEST(ids_are_handles_and_places_are_used_again)
     duet_motion *motion = m->motion;
     const uint64_t going[2] = {3, 1};
     uint64_t ids[5] = {0};
-    assert_done(duet_motion_remove_bodies(motion, by_ids(going, 2), &err));
+    must(duet_motion_remove_bodies(motion, by_ids(going, 2), ERR));
     assert_false(duet_motion_has_body(motion, 1));
     assert_true(duet_motion_has_body(motion, 2));
-    assert_refused(duet_motion_wake_bodies(motion, by_ids(going, 1), &err), "id 3 was removed");
-    assert_refused(duet_motion_wake_bodies(motion, one(1), &err), "was removed");
+    must_fail(duet_motion_wake_bodies(motion, by_ids(going, 1), ERR), ANY_FAILURE,
+              "id 3 was removed");
+    must_fail(duet_motion_wake_bodies(motion, one(1), ERR), ANY_FAILURE, "was removed");
     const duet_pose pose = {{-5, 0, 5}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     const duet_pose poses[3] = {pose, pose, pose};
-    assert_done(duet_motion_add_bodies(motion, poses, NULL, 1, ids, &err));
+    must(duet_motion_add_bodies(motion, poses, NULL, 1, ids, ERR));
     assert_true(ids[0] == 5); // the places that were left are empty after the step
     mover_run(m, 1);
-    assert_done(duet_motion_add_bodies(motion, poses, NULL, 3, ids, &err));
+    must(duet_motion_add_bodies(motion, poses, NULL, 3, ids, ERR));
     const uint64_t second = UINT64_C(1) << 32;
     assert_true(ids[0] == (second | 1) && ids[1] == (second | 3) && ids[2] == 6);
-    assert_refused(duet_motion_wake_bodies(motion, by_ids(going, 1), &err), "id 3 was removed");
+    must_fail(duet_motion_wake_bodies(motion, by_ids(going, 1), ERR), ANY_FAILURE,
+              "id 3 was removed");
     assert_true(duet_motion_has_body(motion, ids[1]));
-    assert_done(duet_motion_remove_bodies(motion, by_ids(ids, 1), &err));
-    assert_done(duet_motion_get_ids(motion, 0, 5, ids, &err));
+    must(duet_motion_remove_bodies(motion, by_ids(ids, 1), ERR));
+    must(duet_motion_get_ids(motion, 0, 5, ids, ERR));
     assert_true(ids[0] == 0 && ids[1] == DUET_NO_BODY && ids[3] == (second | 3) && ids[4] == 4);
     const uint64_t data[2] = {77, UINT64_MAX};
     uint64_t read[2] = {0};
     const duet_body_list two = {.first = 2, .n = 2};
-    assert_done(duet_motion_set_user_data(motion, two, data, &err));
-    assert_done(duet_motion_get_user_data(motion, two, read, &err));
+    must(duet_motion_set_user_data(motion, two, data, ERR));
+    must(duet_motion_get_user_data(motion, two, read, ERR));
     assert_memory_equal(read, data, sizeof data);
 }
 
@@ -296,9 +303,9 @@ TEST(what_lay_on_a_removed_body_falls)
         mover_run(m, 60);
         assert_int_equal(n_asleep(m), 7);
         if (disabled)
-            assert_done(duet_motion_disable_bodies(m->motion, one(1), &err));
+            must(duet_motion_disable_bodies(m->motion, one(1), ERR));
         else
-            assert_done(duet_motion_remove_bodies(m->motion, one(1), &err));
+            must(duet_motion_remove_bodies(m->motion, one(1), ERR));
         mover_run(m, 1);
         mover_run(m, 1);
         assert_true(m->states[2].velocity[2] < -0.1);
@@ -308,7 +315,7 @@ TEST(what_lay_on_a_removed_body_falls)
         assert_close(m->states[3].centre[2], 1.5, 0.02);
         if (disabled) { // it comes back inside another, and both part
             assert_close(m->states[1].centre[2], 0.5, 0.02);
-            assert_done(duet_motion_enable_bodies(m->motion, one(1), &err));
+            must(duet_motion_enable_bodies(m->motion, one(1), ERR));
             mover_run(m, 120);
             assert_true(fabs(m->states[2].centre[2] - m->states[1].centre[2]) > 0.9 ||
                         fabs(m->states[2].centre[0] - m->states[1].centre[0]) > 0.9 ||
@@ -337,7 +344,7 @@ TEST(a_body_that_comes_falls_as_one_that_was_there)
         }
         mover_run(m, 0);
         if (late)
-            assert_done(duet_motion_add_bodies(m->motion, &pose, &b, 1, NULL, &err));
+            must(duet_motion_add_bodies(m->motion, &pose, &b, 1, NULL, ERR));
         m->n = 4;
         mover_run(m, 90);
         memcpy(states[late], m->states, sizeof states[late]);
@@ -355,7 +362,7 @@ TEST(a_motion_can_begin_empty)
     uint32_t floor = mover_add_floor(m, 5), brick = mover_add(m, 0, 0, 2, 0.5, 0.25, 0.125);
     mover_turn(m, brick, 1, 1, 0, 0.5);
     m->bodies[brick].friction = 0.5f;
-    assert_done(duet_motion_add_bodies(m->motion, m->poses, m->bodies, 2, NULL, &err));
+    must(duet_motion_add_bodies(m->motion, m->poses, m->bodies, 2, NULL, ERR));
     mover_run(m, 300);
     assert_close(m->states[floor].centre[2], -0.5, 0);
     assert_close(m->states[brick].centre[2], 0.125, 0.01);
@@ -371,7 +378,7 @@ TEST(a_floor_can_get_a_mass)
         mover_add_rough_cube(m, 1.5 * (i % 3) - 1.5, 20 + 1.5 * (i / 3) - 1.5, 10.75);
     mover_run(m, 60);
     const duet_body heavy = {.mass = 50};
-    assert_done(duet_motion_set_bodies(m->motion, one(plate), DUET_BODY_MASS, &heavy, &err));
+    must(duet_motion_set_bodies(m->motion, one(plate), DUET_BODY_MASS, &heavy, ERR));
     mover_run(m, 240);
     assert_close(m->states[plate].centre[2], 0.25, 0.02);
     for (uint32_t id = plate + 1; id < m->n; ++id)
@@ -392,7 +399,7 @@ TEST(what_is_sent_to_sleep_in_flight_does_not_depend_on_the_skin)
         }
         for (uint32_t i = 1; i <= N; ++i) {
             mover_run(m, 1);
-            assert_done(duet_motion_sleep_bodies(m->motion, one(i), &err));
+            must(duet_motion_sleep_bodies(m->motion, one(i), ERR));
         }
         mover_run(m, 10);
         hashes[k] = mover_hash(m);
@@ -405,13 +412,13 @@ TEST(who_sleeps_is_told)
     mover *m = make_rows(3, 1);
     uint8_t asleep[4];
     mover_run(m, 1);
-    assert_done(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 2}, &err));
+    must(duet_motion_sleep_bodies(m->motion, (duet_body_list){.first = 1, .n = 2}, ERR));
     mover_run(m, 1);
-    assert_done(duet_motion_get_asleep(m->motion, asleep, &err));
+    must(duet_motion_get_asleep(m->motion, asleep, ERR));
     assert_memory_equal(asleep, ((const uint8_t[]){0, 1, 1, 0}), 4);
-    assert_done(duet_motion_wake_bodies(m->motion, one(1), &err));
-    assert_done(duet_motion_remove_bodies(m->motion, one(2), &err));
-    assert_done(duet_motion_get_asleep(m->motion, asleep, &err));
+    must(duet_motion_wake_bodies(m->motion, one(1), ERR));
+    must(duet_motion_remove_bodies(m->motion, one(2), ERR));
+    must(duet_motion_get_asleep(m->motion, asleep, ERR));
     assert_memory_equal(asleep, ((const uint8_t[]){0, 0, 0, 0}), 4);
 }
 
@@ -460,7 +467,7 @@ TEST(what_is_sent_to_sleep_on_its_way_never_arrives)
             ids[i] = box;
         }
         mover_run(m, 0);
-        assert_done(duet_motion_sleep_bodies(m->motion, by_ids(ids, N), &err));
+        must(duet_motion_sleep_bodies(m->motion, by_ids(ids, N), ERR));
         for (int step = 0; step < 3; ++step) {
             mover_run(m, 1);
             assert_close(mover_greatest_speed(m), 0, 0);
@@ -490,7 +497,7 @@ static void assert_rests_alike(mover *twins[2], bool some)
         mover_run(twins[k], 1);
         assert_true(has_stage(twins[k], "altered_pairs") == (some && k > 0));
         assert_true(has_stage(twins[k], "pairs") == !(some && k > 0));
-        assert_done(duet_motion_get_contacts(twins[k]->motion, &contacts[k], &n[k], &err));
+        must(duet_motion_get_contacts(twins[k]->motion, &contacts[k], &n[k], ERR));
     }
     assert_true(mover_hash(twins[0]) == mover_hash(twins[1]));
     assert_true(n[0] == n[1]);
@@ -504,7 +511,7 @@ static void assert_rests_alike(mover *twins[2], bool some)
 #define do_both(call)                            \
     for (int k_ = 0; k_ < 2; ++k_) {             \
         duet_motion *motion = twins[k_]->motion; \
-        assert_done(call);                       \
+        must(call);                              \
     }
 
 TEST(only_what_commands_altered_is_searched_within_a_skin)
@@ -527,20 +534,20 @@ TEST(only_what_commands_altered_is_searched_within_a_skin)
         mover_run(twins[k], 60);
         assert_int_equal(n_asleep(twins[k]), ROWS * HIGH + 1);
     }
-    do_both(duet_motion_remove_bodies(motion, one(2), &err));
+    do_both(duet_motion_remove_bodies(motion, one(2), ERR));
     assert_rests_alike(twins, true);
-    do_both(duet_motion_add_bodies(motion, poses, NULL, PEBBLES + 1, NULL, &err));
+    do_both(duet_motion_add_bodies(motion, poses, NULL, PEBBLES + 1, NULL, ERR));
     assert_rests_alike(twins, true);
-    do_both(duet_motion_disable_bodies(motion, one(10), &err));
+    do_both(duet_motion_disable_bodies(motion, one(10), ERR));
     assert_rests_alike(twins, true);
-    do_both(duet_motion_enable_bodies(motion, one(10), &err));
-    do_both(duet_motion_set_bodies(motion, one(10), DUET_BODY_FILTER, &alone, &err));
-    do_both(duet_motion_set_bodies(motion, one(13), DUET_BODY_FILTER, &alone, &err));
+    do_both(duet_motion_enable_bodies(motion, one(10), ERR));
+    do_both(duet_motion_set_bodies(motion, one(10), DUET_BODY_FILTER, &alone, ERR));
+    do_both(duet_motion_set_bodies(motion, one(13), DUET_BODY_FILTER, &alone, ERR));
     assert_rests_alike(twins, true);
-    do_both(duet_motion_remove_bodies(motion, one(0), &err)); // the floor, which all rest on
+    do_both(duet_motion_remove_bodies(motion, one(0), ERR)); // the floor, which all rest on
     assert_rests_alike(twins, true);
     const duet_body_list many = {.first = 5, .n = 12};
-    do_both(duet_motion_disable_bodies(motion, many, &err));
+    do_both(duet_motion_disable_bodies(motion, many, ERR));
     assert_rests_alike(twins, false);
 }
 
@@ -566,58 +573,58 @@ TEST(nothing_is_done_to_a_motion_between_the_halves_of_its_step)
     duet_moved moved;
     uint64_t n, ids[9];
     uint8_t asleep[9];
-    assert_refused(duet_motion_advance_end(motion, &result, &err), "no step is under way");
-    assert_done(duet_motion_remove_bodies(motion, one(3), &err));
-    assert_done(duet_motion_remove_bodies(twin->motion, one(3), &err));
-    assert_done(duet_motion_record(motion, &err));
-    assert_done(duet_motion_advance_begin(motion, &err));
-#define BUSY(call)                                                                      \
-    do {                                                                                \
-        duet_error err = {0};                                                           \
-        assert_false(call);                                                             \
-        char *rest = strstr(err.text, ": a step of the motion is under way; expected"); \
-        if (!rest || strncmp(err.text, #call, (size_t)(rest - err.text)) != 0)          \
-            fail_msg("%s is told '%s'", #call, err.text);                               \
+    must_fail(duet_motion_advance_end(motion, &result, ERR), ANY_FAILURE, "no step is under way");
+    must(duet_motion_remove_bodies(motion, one(3), ERR));
+    must(duet_motion_remove_bodies(twin->motion, one(3), ERR));
+    must(duet_motion_record(motion, ERR));
+    must(duet_motion_advance_begin(motion, ERR));
+#define BUSY(call)                                                                  \
+    do {                                                                            \
+        static const char says[] = ": a step of the motion is under way; expected"; \
+        must_fail(call, ANY_FAILURE, says);                                         \
+        size_t length = (size_t)(strstr(ERR->text, says) - ERR->text);              \
+        if (strncmp(ERR->text, #call, length) != 0)                                 \
+            fail_msg("%s is told '%s'", #call, ERR->text);                          \
     } while (0)
-    BUSY(duet_motion_advance(motion, &result, &err));
-    BUSY(duet_motion_advance_begin(motion, &err));
-    BUSY(duet_motion_add_bodies(motion, &pose, NULL, 1, NULL, &err));
-    BUSY(duet_motion_remove_bodies(motion, one(1), &err));
-    BUSY(duet_motion_enable_bodies(motion, one(1), &err));
-    BUSY(duet_motion_disable_bodies(motion, one(1), &err));
-    BUSY(duet_motion_wake_bodies(motion, one(1), &err));
-    BUSY(duet_motion_sleep_bodies(motion, one(1), &err));
-    BUSY(duet_motion_set_bodies(motion, one(1), DUET_BODY_VELOCITY, m->bodies, &err));
-    BUSY(duet_motion_set_poses(motion, one(1), &pose, &err));
-    BUSY(duet_motion_set_targets(motion, one(0), &there, &err));
-    BUSY(duet_motion_apply_forces(motion, one(1), &force, &err));
-    BUSY(duet_motion_apply_impulses(motion, one(1), &impulse, &err));
-    BUSY(duet_motion_set_def(motion, &def, &err));
-    BUSY(duet_motion_set_user_data(motion, one(1), &data, &err));
-    BUSY(duet_motion_get_user_data(motion, one(1), &n, &err));
-    BUSY(duet_motion_map_states(motion, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1, &err));
-    BUSY(duet_motion_unmap_states(motion, DUET_STATE_CENTRES, &err));
-    BUSY(duet_motion_get_states(motion, m->states, &err));
-    BUSY(duet_motion_get_states_of(motion, &place, 1, m->states, &err));
-    BUSY(duet_motion_get_moved(motion, &moved, &err));
-    BUSY(duet_motion_get_poses(motion, m->poses, &err));
-    BUSY(duet_motion_get_asleep(motion, asleep, &err));
-    BUSY(duet_motion_get_hash(motion, &n, &err));
-    BUSY(duet_motion_get_energy(motion, &energy, &err));
-    BUSY(duet_motion_get_contacts(motion, &contacts, &n, &err));
-    BUSY(duet_motion_save(motion, path, &err));
-    BUSY(duet_motion_load(motion, path, &err));
-    BUSY(duet_motion_record(motion, &err));
-    BUSY(duet_motion_save_recording(motion, path, &err));
+    BUSY(duet_motion_advance(motion, &result, ERR));
+    BUSY(duet_motion_advance_begin(motion, ERR));
+    BUSY(duet_motion_add_bodies(motion, &pose, NULL, 1, NULL, ERR));
+    BUSY(duet_motion_remove_bodies(motion, one(1), ERR));
+    BUSY(duet_motion_enable_bodies(motion, one(1), ERR));
+    BUSY(duet_motion_disable_bodies(motion, one(1), ERR));
+    BUSY(duet_motion_wake_bodies(motion, one(1), ERR));
+    BUSY(duet_motion_sleep_bodies(motion, one(1), ERR));
+    BUSY(duet_motion_set_bodies(motion, one(1), DUET_BODY_VELOCITY, m->bodies, ERR));
+    BUSY(duet_motion_set_poses(motion, one(1), &pose, ERR));
+    BUSY(duet_motion_set_targets(motion, one(0), &there, ERR));
+    BUSY(duet_motion_apply_forces(motion, one(1), &force, ERR));
+    BUSY(duet_motion_apply_impulses(motion, one(1), &impulse, ERR));
+    BUSY(duet_motion_set_def(motion, &def, ERR));
+    BUSY(duet_motion_set_user_data(motion, one(1), &data, ERR));
+    BUSY(duet_motion_get_user_data(motion, one(1), &n, ERR));
+    BUSY(duet_motion_map_states(motion, DUET_STATE_CENTRES, DUET_MAP_READ, 0, 1, ERR));
+    BUSY(duet_motion_unmap_states(motion, DUET_STATE_CENTRES, ERR));
+    BUSY(duet_motion_get_states(motion, m->states, ERR));
+    BUSY(duet_motion_get_states_of(motion, &place, 1, m->states, ERR));
+    BUSY(duet_motion_get_moved(motion, &moved, ERR));
+    BUSY(duet_motion_get_poses(motion, m->poses, ERR));
+    BUSY(duet_motion_get_asleep(motion, asleep, ERR));
+    BUSY(duet_motion_get_hash(motion, &n, ERR));
+    BUSY(duet_motion_get_energy(motion, &energy, ERR));
+    BUSY(duet_motion_get_contacts(motion, &contacts, &n, ERR));
+    BUSY(duet_motion_save(motion, path, ERR));
+    BUSY(duet_motion_load(motion, path, ERR));
+    BUSY(duet_motion_record(motion, ERR));
+    BUSY(duet_motion_save_recording(motion, path, ERR));
     assert_true(duet_motion_get_step(motion) == 1 && duet_motion_get_count(motion) == 9);
-    assert_done(duet_motion_get_ids(motion, 0, 9, ids, &err));
+    must(duet_motion_get_ids(motion, 0, 9, ids, ERR));
     assert_true(ids[3] == DUET_NO_BODY && duet_motion_has_body(motion, 2));
     assert_null(duet_motion_get_plan(motion));
-    assert_done(duet_motion_advance_end(motion, &result, &err));
+    must(duet_motion_advance_end(motion, &result, ERR));
     mover_run(twin, 1);
     assert_true(result.step == 2 && duet_motion_get_step(motion) == 2);
     assert_true(mover_hash(m) == mover_hash(twin));
-    assert_done(duet_motion_advance_begin(motion, &err));
+    must(duet_motion_advance_begin(motion, ERR));
     mover_free(m); // which waits
 }
 
@@ -631,12 +638,13 @@ TEST(a_step_that_fails_is_told_in_its_second_half)
         mover_run(m, 0);
         duet_motion_result result;
         if (disabled)
-            assert_done(duet_motion_disable_bodies(m->motion, one(2), &err));
-        assert_done(duet_motion_advance_begin(m->motion, &err));
-        assert_refused(duet_motion_advance_end(m->motion, &result, &err),
-                       disabled ? "object 1 of 4: its bounds are not finite after step 0"
-                                : "is not a number");
-        assert_refused(duet_motion_advance_begin(m->motion, &err), "the motion failed in its step");
+            must(duet_motion_disable_bodies(m->motion, one(2), ERR));
+        must(duet_motion_advance_begin(m->motion, ERR));
+        must_fail(duet_motion_advance_end(m->motion, &result, ERR), ANY_FAILURE,
+                  disabled ? "object 1 of 4: its bounds are not finite after step 0"
+                           : "is not a number");
+        must_fail(duet_motion_advance_begin(m->motion, ERR), ANY_FAILURE,
+                  "the motion failed in its step");
     }
 }
 
@@ -648,14 +656,14 @@ TEST(a_file_of_another_version_is_refused_by_name)
     mover_run(m, 1);
     uint64_t hash = mover_hash(m);
     static const char old[] = "duet motion 4\n\0\0";
-    assert_done(text_write_file(path, old, sizeof old, &err));
-    assert_refused(duet_motion_load(m->motion, path, &err),
-                   ": begins with \"duet motion 4\"; expected \"duet motion 2\"");
+    must(text_write_file(path, old, sizeof old, ERR));
+    must_fail(duet_motion_load(m->motion, path, ERR), ANY_FAILURE,
+              ": begins with \"duet motion 4\"; expected \"duet motion 2\"");
     duet_replay *replay = NULL;
-    assert_refused((replay = duet_replay_create(path, &err)),
-                   ": begins with \"duet motion 4\"; expected \"duet commands 2\"");
-    assert_done(text_write_file(path, "\x1b\n", 1, &err));
-    assert_refused(duet_motion_load(m->motion, path, &err), ": begins with \"\\x1b\"");
+    must_fail((replay = duet_replay_create(path, ERR)), ANY_FAILURE,
+              ": begins with \"duet motion 4\"; expected \"duet commands 2\"");
+    must(text_write_file(path, "\x1b\n", 1, ERR));
+    must_fail(duet_motion_load(m->motion, path, ERR), ANY_FAILURE, ": begins with \"\\x1b\"");
     assert_true(mover_hash(m) == hash);
 }
 
@@ -664,13 +672,13 @@ TEST(a_motion_that_got_commands_loads_a_file_from_before_them)
 {
     mover *m = make_rows(3, 2);
     mover_run(m, 5);
-    assert_done(duet_motion_save(m->motion, path, &err));
+    must(duet_motion_save(m->motion, path, ERR));
     uint64_t saved = mover_hash(m);
     mover_run(m, 10);
     uint64_t later = mover_hash(m);
-    assert_done(duet_motion_remove_bodies(m->motion, one(4), &err));
-    assert_done(duet_motion_add_bodies(m->motion, m->poses, NULL, 2, NULL, &err));
-    assert_done(duet_motion_load(m->motion, path, &err));
+    must(duet_motion_remove_bodies(m->motion, one(4), ERR));
+    must(duet_motion_add_bodies(m->motion, m->poses, NULL, 2, NULL, ERR));
+    must(duet_motion_load(m->motion, path, ERR));
     assert_int_equal(duet_motion_get_count(m->motion), 7);
     assert_true(mover_hash(m) == saved);
     mover_run(m, 10);
@@ -691,20 +699,20 @@ TEST(what_commands_left_is_saved)
     const duet_force force = {.force = {0, 0, 100}};
     const duet_pose pose = {{-4, 0, 5}, {0.5f, 0.25f, 0.5f}, {0, 0, 0, 1}};
     uint64_t ids[2];
-    assert_done(duet_motion_remove_bodies(m->motion, one(1), &err));
+    must(duet_motion_remove_bodies(m->motion, one(1), ERR));
     mover_run(m, 1);
-    assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &ids[0], &err));
-    assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &ids[1], &err));
-    assert_done(duet_motion_set_user_data(m->motion, by_ids(ids, 1), &data, &err));
-    assert_done(duet_motion_disable_bodies(m->motion, one(5), &err));
-    assert_done(duet_motion_remove_bodies(m->motion, one(3), &err));
-    assert_done(duet_motion_set_targets(m->motion, one(lift), &there, &err));
-    assert_done(duet_motion_apply_forces(m->motion, one(2), &force, &err));
+    must(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &ids[0], ERR));
+    must(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &ids[1], ERR));
+    must(duet_motion_set_user_data(m->motion, by_ids(ids, 1), &data, ERR));
+    must(duet_motion_disable_bodies(m->motion, one(5), ERR));
+    must(duet_motion_remove_bodies(m->motion, one(3), ERR));
+    must(duet_motion_set_targets(m->motion, one(lift), &there, ERR));
+    must(duet_motion_apply_forces(m->motion, one(2), &force, ERR));
     duet_motion_def def = *duet_motion_get_def(m->motion);
     def.gravity[0] = 0.5;
-    assert_done(duet_motion_set_def(m->motion, &def, &err));
-    assert_done(duet_motion_save(m->motion, path, &err));
-    assert_done(duet_motion_load(fresh->motion, path, &err));
+    must(duet_motion_set_def(m->motion, &def, ERR));
+    must(duet_motion_save(m->motion, path, ERR));
+    must(duet_motion_load(fresh->motion, path, ERR));
     assert_int_equal(duet_motion_get_count(fresh->motion), 11);
     for (int k = 0; k < 3; ++k) {
         assert_true(mover_hash(m) == mover_hash(fresh));
@@ -713,9 +721,9 @@ TEST(what_commands_left_is_saved)
     }
     assert_close(fresh->states[lift].centre[2], 4.5, 0);
     uint64_t read = 0;
-    assert_done(duet_motion_get_user_data(fresh->motion, by_ids(ids, 1), &read, &err));
+    must(duet_motion_get_user_data(fresh->motion, by_ids(ids, 1), &read, ERR));
     assert_true(read == data);
-    assert_refused(duet_motion_wake_bodies(fresh->motion, one(3), &err), "was removed");
+    must_fail(duet_motion_wake_bodies(fresh->motion, one(3), ERR), ANY_FAILURE, "was removed");
     assert_true(duet_motion_get_def(fresh->motion)->gravity[0] == 0.5);
 }
 

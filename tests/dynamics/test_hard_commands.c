@@ -22,13 +22,13 @@ TEST(numbers_that_overflow_are_refused)
     const duet_force forces[2] = {{.force = {3e38f, 0, 0}}, {.force = {3e38f, 0, 0}}};
     const duet_impulse push = {.impulse = {3e38f, 0, 0}}, spin = {{0, 3e38f, 0}, {3e38f, 0, 0}};
     const uint64_t twice[2] = {1, 1};
-    assert_refused(duet_motion_set_targets(motion, one(ram), &far, &err), "body 0 of 1: ");
-    assert_refused(duet_motion_apply_forces(motion, by_ids(twice, 2), forces, &err),
-                   "body 0 of 2: ");
+    must_fail(duet_motion_set_targets(motion, one(ram), &far, ERR), ANY_FAILURE, "body 0 of 1: ");
+    must_fail(duet_motion_apply_forces(motion, by_ids(twice, 2), forces, ERR), ANY_FAILURE,
+              "body 0 of 2: ");
     const duet_body light = {.mass = 1e-3f};
-    assert_done(duet_motion_set_bodies(motion, one(1), DUET_BODY_MASS, &light, &err));
-    assert_refused(duet_motion_apply_impulses(motion, one(1), &push, &err), "body 0 of 1: ");
-    assert_refused(duet_motion_apply_impulses(motion, one(1), &spin, &err), "body 0 of 1: ");
+    must(duet_motion_set_bodies(motion, one(1), DUET_BODY_MASS, &light, ERR));
+    must_fail(duet_motion_apply_impulses(motion, one(1), &push, ERR), ANY_FAILURE, "body 0 of 1: ");
+    must_fail(duet_motion_apply_impulses(motion, one(1), &spin, ERR), ANY_FAILURE, "body 0 of 1: ");
     assert_true(mover_hash(m) == hash);
     mover_run(m, 10);
     mover_assert_finite(m);
@@ -42,10 +42,10 @@ TEST(what_events_are_told_of_cannot_change)
     mover_run(m, 1);
     duet_motion_def def = *duet_motion_get_def(m->motion);
     def.hit_speed = 0;
-    assert_refused(duet_motion_set_def(m->motion, &def, &err), "hit_speed is 0; expected");
+    must_fail(duet_motion_set_def(m->motion, &def, ERR), ANY_FAILURE, "hit_speed is 0; expected");
     def.hit_speed = 1;
     def.event_mask = 1;
-    assert_refused(duet_motion_set_def(m->motion, &def, &err), "event_mask is 1; expected");
+    must_fail(duet_motion_set_def(m->motion, &def, ERR), ANY_FAILURE, "event_mask is 1; expected");
 }
 
 // With bodies that come, walls get other numbers; what touched them stays.
@@ -61,7 +61,7 @@ TEST(walls_that_get_other_numbers_are_touched_all_the_same)
     mover_run(m, 30);
     assert_int_equal(m->last.n_stays, 1);
     const duet_pose high = {{8, 8, 8}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
-    assert_done(duet_motion_add_bodies(m->motion, &high, NULL, 1, NULL, &err));
+    must(duet_motion_add_bodies(m->motion, &high, NULL, 1, NULL, ERR));
     mover_run(m, 1);
     assert_int_equal(m->last.n_events, 0);
     assert_int_equal(m->last.n_stays, 1);
@@ -82,13 +82,13 @@ static event_sums events_of_changed_groups(bool saved)
         m->bodies[i].group = 1;
     mover_run(m, 3);
     const duet_body told = {.group = 4, .mask = UINT32_MAX};
-    assert_done(duet_motion_set_bodies(m->motion, one(1), DUET_BODY_FILTER, &told, &err));
-    assert_done(duet_motion_remove_bodies(m->motion, one(2), &err));
+    must(duet_motion_set_bodies(m->motion, one(1), DUET_BODY_FILTER, &told, ERR));
+    must(duet_motion_remove_bodies(m->motion, one(2), ERR));
     if (saved) {
-        assert_done(duet_motion_save(m->motion, path, &err));
+        must(duet_motion_save(m->motion, path, ERR));
         mover_restart(m);
         mover_run(m, 0);
-        assert_done(duet_motion_load(m->motion, path, &err));
+        must(duet_motion_load(m->motion, path, ERR));
     }
     mover_run(m, 1);
     event_sums sums = {.stays = m->last.n_stays};
@@ -115,15 +115,15 @@ TEST(a_place_that_had_all_its_bodies_is_used_no_more)
     mover_run(m, 1);
     const duet_pose pose = {{-5, 0, 5}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
     uint64_t id = 1;
-    assert_done(duet_motion_remove_bodies(m->motion, one(1), &err));
+    must(duet_motion_remove_bodies(m->motion, one(1), ERR));
     m->motion->commands->generations[1] = UINT32_MAX;
     mover_run(m, 1);
-    assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, &err));
+    must(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, ERR));
     assert_true(id == (UINT64_C(0xffffffff) << 32 | 1));
-    assert_done(duet_motion_remove_bodies(m->motion, by_ids(&id, 1), &err));
+    must(duet_motion_remove_bodies(m->motion, by_ids(&id, 1), ERR));
     mover_run(m, 2);
     assert_false(duet_motion_has_body(m->motion, 1));
-    assert_done(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, &err));
+    must(duet_motion_add_bodies(m->motion, &pose, NULL, 1, &id, ERR));
     assert_true(id == 2);
 }
 
@@ -135,21 +135,21 @@ TEST(a_list_of_none_changes_nothing)
     duet_motion *motion = m->motion;
     const duet_body_list none = {.ids = NULL};
     duet_moved moved;
-    assert_done(duet_motion_get_moved(motion, &moved, &err));
-    assert_done(duet_motion_add_bodies(motion, NULL, NULL, 0, NULL, &err));
-    assert_done(duet_motion_remove_bodies(motion, none, &err));
-    assert_done(duet_motion_disable_bodies(motion, none, &err));
-    assert_done(duet_motion_enable_bodies(motion, none, &err));
-    assert_done(duet_motion_set_bodies(motion, none, DUET_BODY_ALL, NULL, &err));
-    assert_done(duet_motion_set_poses(motion, none, NULL, &err));
-    assert_done(duet_motion_set_targets(motion, none, NULL, &err));
-    assert_done(duet_motion_apply_forces(motion, none, NULL, &err));
-    assert_done(duet_motion_apply_impulses(motion, none, NULL, &err));
-    assert_done(duet_motion_wake_bodies(motion, none, &err));
+    must(duet_motion_get_moved(motion, &moved, ERR));
+    must(duet_motion_add_bodies(motion, NULL, NULL, 0, NULL, ERR));
+    must(duet_motion_remove_bodies(motion, none, ERR));
+    must(duet_motion_disable_bodies(motion, none, ERR));
+    must(duet_motion_enable_bodies(motion, none, ERR));
+    must(duet_motion_set_bodies(motion, none, DUET_BODY_ALL, NULL, ERR));
+    must(duet_motion_set_poses(motion, none, NULL, ERR));
+    must(duet_motion_set_targets(motion, none, NULL, ERR));
+    must(duet_motion_apply_forces(motion, none, NULL, ERR));
+    must(duet_motion_apply_impulses(motion, none, NULL, ERR));
+    must(duet_motion_wake_bodies(motion, none, ERR));
     mover_run(m, 1);
     assert_false(m->last.rebuilt);
     assert_int_equal(m->last.n_stages, 0); // all sleeps on
-    assert_done(duet_motion_get_moved(motion, &moved, &err));
+    must(duet_motion_get_moved(motion, &moved, ERR));
     assert_int_equal(moved.n, 0);
 }
 
@@ -159,11 +159,11 @@ TEST(a_file_can_be_loaded_right_after_a_step_with_forces)
     mover *m = make_rows(2, 1);
     mover_run(m, 1);
     const duet_force lift = {.force = {0, 0, 30}};
-    assert_done(duet_motion_apply_forces(m->motion, one(1), &lift, &err));
-    assert_done(duet_motion_save(m->motion, path, &err));
+    must(duet_motion_apply_forces(m->motion, one(1), &lift, ERR));
+    must(duet_motion_save(m->motion, path, ERR));
     for (int k = 0; k < 3; ++k) {
-        assert_done(duet_motion_advance(m->motion, &m->last, &err));
-        assert_done(duet_motion_load(m->motion, path, &err));
+        must(duet_motion_advance(m->motion, &m->last, ERR));
+        must(duet_motion_load(m->motion, path, ERR));
     }
     mover_run(m, 1);
     assert_true(m->states[1].velocity[2] > 0.1);
@@ -174,13 +174,13 @@ TEST(a_body_that_came_by_a_file_is_told_as_moved)
     mover *m = make_rows(2, 1);
     mover_run(m, 60);
     duet_moved moved;
-    assert_done(duet_motion_save(m->motion, path, &err));
-    assert_done(duet_motion_get_moved(m->motion, &moved, &err));
-    assert_done(duet_motion_remove_bodies(m->motion, one(1), &err));
+    must(duet_motion_save(m->motion, path, ERR));
+    must(duet_motion_get_moved(m->motion, &moved, ERR));
+    must(duet_motion_remove_bodies(m->motion, one(1), ERR));
     mover_run(m, 1);
-    assert_done(duet_motion_get_moved(m->motion, &moved, &err));
-    assert_done(duet_motion_load(m->motion, path, &err));
-    assert_done(duet_motion_get_moved(m->motion, &moved, &err));
+    must(duet_motion_get_moved(m->motion, &moved, ERR));
+    must(duet_motion_load(m->motion, path, ERR));
+    must(duet_motion_get_moved(m->motion, &moved, ERR));
     assert_int_equal(moved.n, 3);
 }
 
@@ -195,20 +195,19 @@ TEST(a_body_of_another_kind_that_went_is_forgotten_in_a_file_too)
     duet_body elastic = duet_default_body();
     elastic.restitution = 0.9f;
     uint64_t id;
-    assert_done(duet_motion_add_bodies(m->motion, &brick, &elastic, 1, &id, &err));
+    must(duet_motion_add_bodies(m->motion, &brick, &elastic, 1, &id, ERR));
     mover_run(m, 1);
-    assert_done(duet_motion_remove_bodies(m->motion, by_ids(&id, 1), &err));
+    must(duet_motion_remove_bodies(m->motion, by_ids(&id, 1), ERR));
     const duet_pose high = {{0.3f, 0.2f, 6}, {0.5f, 0.5f, 0.5f}, {0.3f, 0.1f, 0, 1}};
     const duet_body turns = {.angular_velocity = {3, 1, 2}};
-    assert_done(duet_motion_set_poses(m->motion, one(2), &high, &err));
-    assert_done(
-        duet_motion_set_bodies(m->motion, one(2), DUET_BODY_ANGULAR_VELOCITY, &turns, &err));
+    must(duet_motion_set_poses(m->motion, one(2), &high, ERR));
+    must(duet_motion_set_bodies(m->motion, one(2), DUET_BODY_ANGULAR_VELOCITY, &turns, ERR));
     mover_run(m, 1);
-    assert_done(duet_motion_save(m->motion, path, &err));
+    must(duet_motion_save(m->motion, path, ERR));
     mover *fresh = make_rows(3, 2);
     fresh->bodies[1] = m->bodies[1];
     mover_run(fresh, 0);
-    assert_done(duet_motion_load(fresh->motion, path, &err));
+    must(duet_motion_load(fresh->motion, path, ERR));
     for (int k = 0; k < 8; ++k) {
         mover_run(m, 10);
         mover_run(fresh, 10);
@@ -231,13 +230,13 @@ TEST(all_bodies_can_go_and_others_come)
             mover_run(m, 2);
             assert_true(m->last.contacts > 0);
             const duet_body_list all = {.n = 9};
-            assert_done(duet_motion_remove_bodies(m->motion, all, &err));
+            must(duet_motion_remove_bodies(m->motion, all, ERR));
             mover_run(m, 1);
             assert_true(m->last.contacts == 0 && m->last.n_stays == 0 && m->last.n_events > 0);
             mover_run(m, 2);
             assert_true(m->last.pairs == 0 && m->last.n_events == 0);
             uint64_t ids[9];
-            assert_done(duet_motion_add_bodies(m->motion, m->poses, NULL, 9, ids, &err));
+            must(duet_motion_add_bodies(m->motion, m->poses, NULL, 9, ids, ERR));
             assert_true(ids[8] == ((UINT64_C(1) << 32) | 8));
             mover_run(m, 2);
             assert_true(m->last.contacts > 0);
@@ -253,7 +252,7 @@ TEST(bodies_in_the_same_place_part)
     duet_pose poses[8];
     for (int i = 0; i < 8; ++i)
         poses[i] = m->poses[1];
-    assert_done(duet_motion_add_bodies(m->motion, poses, NULL, 8, NULL, &err));
+    must(duet_motion_add_bodies(m->motion, poses, NULL, 8, NULL, ERR));
     m->n += 8;
     mover_run(m, 240);
     mover_assert_finite(m);
@@ -308,35 +307,35 @@ static void command_all(mover *m)
     const duet_impulse impulse = {.impulse = {0, 1, 0}, .anchor = {0.5f, 0, 0}};
     const duet_transform there = {{9, 0, 4.5f}, {0, 0, 0, 1}};
     uint64_t ids[2];
-    assert_done(duet_motion_remove_bodies(motion, one(6), &err));
+    must(duet_motion_remove_bodies(motion, one(6), ERR));
     mover_run(m, 1);
-    assert_done(duet_motion_add_bodies(motion, poses, bodies, 2, ids, &err));
-    assert_done(duet_motion_set_user_data(motion, by_ids(ids, 2), data, &err));
-    assert_done(duet_motion_apply_forces(motion, one(2), &force, &err));
-    assert_done(duet_motion_apply_impulses(motion, one(4), &impulse, &err));
-    assert_done(duet_motion_set_targets(motion, one(7), &there, &err));
+    must(duet_motion_add_bodies(motion, poses, bodies, 2, ids, ERR));
+    must(duet_motion_set_user_data(motion, by_ids(ids, 2), data, ERR));
+    must(duet_motion_apply_forces(motion, one(2), &force, ERR));
+    must(duet_motion_apply_impulses(motion, one(4), &impulse, ERR));
+    must(duet_motion_set_targets(motion, one(7), &there, ERR));
     mover_run(m, 3);
-    assert_done(duet_motion_disable_bodies(motion, one(5), &err));
-    assert_done(duet_motion_sleep_bodies(motion, one(1), &err));
-    assert_done(duet_motion_set_bodies(motion, one(3), DUET_BODY_VELOCITY | DUET_BODY_FILTER,
-                                       bodies, &err));
+    must(duet_motion_disable_bodies(motion, one(5), ERR));
+    must(duet_motion_sleep_bodies(motion, one(1), ERR));
+    must(
+        duet_motion_set_bodies(motion, one(3), DUET_BODY_VELOCITY | DUET_BODY_FILTER, bodies, ERR));
     mover_run(m, 2);
-    assert_done(duet_motion_enable_bodies(motion, one(5), &err));
-    assert_done(duet_motion_wake_bodies(motion, one(1), &err));
-    assert_done(duet_motion_set_poses(motion, by_ids(ids, 1), poses, &err));
+    must(duet_motion_enable_bodies(motion, one(5), ERR));
+    must(duet_motion_wake_bodies(motion, one(1), ERR));
+    must(duet_motion_set_poses(motion, by_ids(ids, 1), poses, ERR));
     duet_motion_def def = *duet_motion_get_def(motion);
     def.gravity[0] = 0.5;
-    assert_done(duet_motion_set_def(motion, &def, &err));
+    must(duet_motion_set_def(motion, &def, ERR));
     mover_run(m, 20);
-    assert_done(duet_motion_remove_bodies(motion, by_ids(ids, 1), &err));
+    must(duet_motion_remove_bodies(motion, by_ids(ids, 1), ERR));
 }
 
 TEST(recorded_commands_give_the_same_hash_with_any_plan)
 {
     mover *m = make_player(0, DUET_MODE_OWN);
-    assert_done(duet_motion_record(m->motion, &err));
+    must(duet_motion_record(m->motion, ERR));
     command_all(m);
-    assert_done(duet_motion_save_recording(m->motion, path, &err));
+    must(duet_motion_save_recording(m->motion, path, ERR));
     mover *other = make_player(DUET_SHARE_ONE / 2, DUET_MODE_SLAB);
     duet_error why = {0};
     duet_replay *replay = duet_replay_create(path, &why);
@@ -348,18 +347,18 @@ TEST(recorded_commands_give_the_same_hash_with_any_plan)
     assert_true(mover_hash(m) == mover_hash(other));
     assert_true(m->last.step == other->last.step);
     uint64_t data = 0;
-    assert_done(duet_motion_get_user_data(other->motion, one(8), &data, &err));
+    must(duet_motion_get_user_data(other->motion, one(8), &data, ERR));
     assert_true(data == UINT64_MAX);
-    assert_refused(duet_replay_advance(replay, other->motion, &other->last, &err),
-                   "steps are done");
+    must_fail(duet_replay_advance(replay, other->motion, &other->last, ERR), ANY_FAILURE,
+              "steps are done");
     duet_replay_destroy(replay);
     replay = duet_replay_create(path, &why);
-    assert_refused(duet_replay_advance(replay, other->motion, &other->last, &err),
-                   "recorded from step 5, 8 places");
+    must_fail(duet_replay_advance(replay, other->motion, &other->last, ERR), ANY_FAILURE,
+              "recorded from step 5, 8 places");
     duet_replay_destroy(replay);
-    assert_done(duet_motion_save(m->motion, path, &err));
-    assert_done(duet_motion_load(m->motion, path, &err));
-    assert_refused(duet_motion_save_recording(m->motion, path, &err), "nothing is recorded");
+    must(duet_motion_save(m->motion, path, ERR));
+    must(duet_motion_load(m->motion, path, ERR));
+    must_fail(duet_motion_save_recording(m->motion, path, ERR), ANY_FAILURE, "nothing is recorded");
 }
 
 static void sum_file(unsigned char *bytes, size_t n)
@@ -373,12 +372,12 @@ static void sum_file(unsigned char *bytes, size_t n)
 TEST(forged_recordings_are_refused_or_done)
 {
     mover *m = make_player(0, DUET_MODE_OWN);
-    assert_done(duet_motion_record(m->motion, &err));
+    must(duet_motion_record(m->motion, ERR));
     command_all(m);
-    assert_done(duet_motion_save_recording(m->motion, path, &err));
+    must(duet_motion_save_recording(m->motion, path, ERR));
     text file = {0}, forged = {0};
-    assert_done(text_read_file(&file, path, &err));
-    assert_done(text_read_file(&forged, path, &err));
+    must(text_read_file(&file, path, ERR));
+    must(text_read_file(&forged, path, ERR));
     rng r = rng_seed(test_seed());
     static const uint32_t words[] = {0, 1, UINT32_MAX, 0x7fc00000, 0x7f800000, 14, 1u << 30};
     uint32_t refused = 0, tries = 60;
@@ -391,7 +390,7 @@ TEST(forged_recordings_are_refused_or_done)
             i % 8 == 0 ? file.length - rng_below(&r, (uint32_t)file.length) : file.length;
         if (length > 8)
             sum_file((unsigned char *)forged.chars, length);
-        assert_done(text_write_file(path, forged.chars, length, &err));
+        must(text_write_file(path, forged.chars, length, ERR));
         duet_replay *replay = duet_replay_create(path, &why);
         mover *other = replay ? make_player(0, DUET_MODE_OWN) : NULL;
         duet_replay_info info = duet_replay_get_info(replay);

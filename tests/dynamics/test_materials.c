@@ -166,7 +166,7 @@ TEST(a_ball_comes_up_as_both_materials_say)
         m->bodies[ball].radius = (float)radius;
         double e = expected_of(&m->def, a, b, own_surface()).restitution;
         double top = top_of_bounce(m, ball, height), right = e * e * height;
-        // What a step sees of the top may be half a step away from it.
+        // A step's view of the top may be half a step away from it.
         double seen = g * m->def.dt * m->def.dt / 8;
         if (!(fabs(top - right) < g * h * h / 2 + seen + 2e-3 * right))
             fail_msg("%u on %u comes up to %g m, not %g", b, a, top, right);

@@ -139,7 +139,7 @@ TEST(a_thousand_balls_all_fall_asleep)
     assert_true(mover_greatest_speed(m) == 0.0);
 }
 
-// What needs a number is told.
+// A motion that needs a number is told.
 TEST(what_is_no_resistance_is_refused)
 {
     ball b = {.dims = 3, .radius = 0.5, .resistance = -1.0f, .dt = 1.0 / 60.0, .substeps = 4};

@@ -29,7 +29,7 @@ static const way ways[] = {
 
 enum { WAYS = sizeof ways / sizeof ways[0] };
 
-// What is made: an effect or two more than a pile, by bits.
+// A motion is made of this: an effect or two more than a pile, by bits.
 enum { SLEEPS = 1, SKIN = 2, EVENTS = 4, ORIGIN = 8, WALLS = 16, COMMANDS = 32, KINDS = 64 };
 
 static mover *make_pile(duet_device_pair *pair, int kind, const way *w)

@@ -49,7 +49,7 @@ static mover *make(const row *r)
     return m;
 }
 
-// What each body has of the speed in the end.
+// The part of the speed that each body has in the end.
 static void run_row(const row *r, double parts[MOST])
 {
     mover *m = make(r);

@@ -67,7 +67,7 @@ static void close_early(bool copies)
     open_part(&d);
     must(buffer_reserve(&b, &d, 4096, ERR));
     fill(&d, &b);
-    mallopt(M_PERTURB, 0x5a); // what is freed is no longer what it was
+    mallopt(M_PERTURB, 0x5a); // freed memory is no longer what it was
     atomic_store(&is_late, true);
     fill(&d, &b);
     buffer_release(&b);

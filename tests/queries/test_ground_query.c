@@ -87,7 +87,7 @@ static void point_at(const duet_ray *ray, real t, real at[3])
         at[k] = (real)ray->origin[k] + t * (real)ray->direction[k];
 }
 
-// Where a ray passes the wall of one of four sides.
+// Finds where a ray passes the wall of one of four sides.
 static real pass_wall(const field *f, const duet_ray *ray, int side)
 {
     real corner[3], at[3];

@@ -53,7 +53,7 @@ uint64_t mover_hash(mover *m);
 double mover_total(mover *m); // energy of all kinds
 double mover_speed(const mover *m, uint32_t id);
 double mover_greatest_speed(const mover *m);
-duet_tree *mover_tree(const mover *m);    // as the bodies are; lasts until the test ends
+duet_tree *mover_tree(const mover *m);    // over the bodies as they are; lasts until the test ends
 void mover_assert_finite(const mover *m); // checks what mover_run read
 
 // CMocka compares floats.

@@ -8,7 +8,7 @@
 enum { SHAPE_VERTICES = 30000, SHAPE_TRIANGLES = 30000 };
 
 typedef struct shape {
-    duet_mesh mesh; // of the arrays below
+    duet_mesh mesh; // that the arrays below have
     float vertices[3 * SHAPE_VERTICES];
     uint32_t triangles[3 * SHAPE_TRIANGLES];
 } shape;

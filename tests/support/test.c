@@ -73,7 +73,7 @@ int test_leaves_no_object(void **state)
     return 0;
 }
 
-// What the test that runs was given, the latest first.
+// The things that the running test was given, the latest first.
 typedef struct kept {
     void *thing;
     void (*back)(void *thing);

@@ -81,7 +81,7 @@ void *test_keep(void *thing, void (*back)(void *thing));
 void test_give_back(void *thing);
 void *test_alloc(size_t bytes); // zeros, which the test keeps
 
-// What public calls make and destroy, each with its test_KIND_back for test_keep.
+// The kinds that public calls make and destroy, each with its test_KIND_back for test_keep.
 // clang-format off
 #define TEST_KINDS(OF)                                                                           \
     OF(duet_box_query) OF(duet_contact_query) OF(duet_device_pair) OF(duet_motion)               \

@@ -1,30 +1,43 @@
 // SPDX-License-Identifier: MIT
-// A fact that does not hold on one rank ends the job with a line.
-#ifndef TESTS_MUST_H
-#define TESTS_MUST_H
+// A test that all ranks of a job run. A fact that does not hold on one rank ends the job with a
+// line.
+#ifndef TESTS_JOB_H
+#define TESTS_JOB_H
 
-#include "duet_error.h"
+#include "runtime/duet.h"
+
+#include "cluster/duet_cluster.h"
 
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int rank; // this rank in the whole job
+extern int rank; // this rank in the whole job
 
-_Noreturn static void end_job(const char *fact, const char *file, int line, const char *why)
-{
-    fprintf(stderr, "rank %d, %s:%d: %s: %s\n", rank, file, line, fact, why);
-    MPI_Abort(MPI_COMM_WORLD, 1);
-    abort();
-}
+// Begins a job of so many ranks. Returns DUET_TEST_SEED if that is set, else the seed; rank 0
+// prints it.
+uint64_t job_begin(int *argc, char ***argv, int n_ranks, uint64_t seed);
+
+// Ends it, after rank 0 has said what holds. Returns 0.
+int job_end(const char *says);
+
+_Noreturn void end_job(const char *fact, const char *file, int line, const char *why);
+
+// A cluster of the first n ranks, NULL on the others; or of this rank alone, which then needs no
+// others for the call. The def needs no comm.
+enum { ALONE = 0 };
+duet_cluster *cluster_of(int n, duet_cluster_def def);
+
+// Writes a file that all ranks find; and removes it once all have it no more.
+void job_write(const char *path, const char *content);
+void job_remove(const char *path);
 
 #define MUST(fact, why)                                \
     do {                                               \
         if (!(fact))                                   \
             end_job(#fact, __FILE__, __LINE__, (why)); \
     } while (0)
-#define MUST_OK(call, err) MUST(call, (err).text)
 
 // The value of a call that must succeed, in which ERR stands for the error that it fills.
 #define must(call)                                         \
@@ -46,15 +59,6 @@ _Noreturn static void end_job(const char *fact, const char *file, int line, cons
             end_job(#call, __FILE__, __LINE__, ERR->text);                 \
     } while (0)
 
-__attribute__((unused)) static duet_error rank_error;
-
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#define IGNORE_LEAKS(call) (__lsan_disable(), call, __lsan_enable())
-#define FIND_LEAKS() __lsan_do_leak_check()
-#else
-#define IGNORE_LEAKS(call) call
-#define FIND_LEAKS() (void)0
-#endif
+extern duet_error rank_error;
 
 #endif
