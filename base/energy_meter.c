@@ -14,7 +14,7 @@
 enum { PACKAGES = 16, GPUS = 16, GPU_NAME = 96 };
 
 // A GPU's counter was seen to move every 20 to 100 ms, a package's every millisecond.
-#define GPU_WINDOW_NS UINT64_C(600000000)
+#define GPU_WINDOW_NS UINT64_C(400000000)
 #define PACKAGE_WINDOW_NS UINT64_C(100000000)
 
 typedef struct package {
@@ -228,21 +228,32 @@ void energy_meter_close(energy_meter *m)
     free(m);
 }
 
-double energy_meter_read(energy_meter *m)
+static double read_gpus(const energy_meter *m)
 {
     double joules = 0;
-    if (m->file)
-        read_file(m, &joules);
-    for (int i = 0; i < m->n_packages; ++i) {
-        read_package(&m->packages[i]);
-        joules += m->packages[i].joules;
-    }
     for (int i = 0; i < m->n_gpus; ++i) {
         unsigned long long millijoules = 0;
         m->nvml.energy_of(m->gpus[i], &millijoules);
         joules += (double)millijoules * 1e-3;
     }
     return joules;
+}
+
+double energy_meter_read(energy_meter *m)
+{
+    double joules = read_gpus(m), of_file = 0;
+    if (m->file)
+        read_file(m, &of_file);
+    for (int i = 0; i < m->n_packages; ++i) {
+        read_package(&m->packages[i]);
+        joules += m->packages[i].joules;
+    }
+    return joules + of_file;
+}
+
+double energy_meter_slowest(energy_meter *m)
+{
+    return m->n_gpus > 0 ? read_gpus(m) : energy_meter_read(m);
 }
 
 const char *energy_meter_describe(const energy_meter *m)

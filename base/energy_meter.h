@@ -31,10 +31,13 @@ void energy_meter_close(energy_meter *m); // NULL does nothing
 // Joules of all that is read, since some moment.
 double energy_meter_read(energy_meter *m);
 
+// The part of it that moves in the longest steps: of GPUs, if any are read.
+double energy_meter_slowest(energy_meter *m);
+
 // Names what is read: "NVIDIA H200, package-0".
 const char *energy_meter_describe(const energy_meter *m);
 
-// How long to let something run between two readings: counters move in steps.
+// How long to let something run between two readings, at least: counters move in steps.
 uint64_t energy_meter_window_ns(const energy_meter *m);
 
 #endif

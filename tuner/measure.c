@@ -196,21 +196,41 @@ static bool train(const measure_machine *machine, const duet_plan *plan, uint32_
     return ok;
 }
 
-// Launches as often as fills the time in which the counters move.
+// Launches until the counter moves; adds to n how often.
+static bool train_until_move(const measure_machine *machine, const duet_plan *plan,
+                             energy_meter *meter, uint32_t batch, uint32_t most, uint32_t *n,
+                             duet_error *err)
+{
+    uint32_t from = *n;
+    double before = energy_meter_slowest(meter);
+    do {
+        if (!train(machine, plan, batch, err))
+            return false;
+        *n += batch;
+        if (energy_meter_slowest(meter) != before)
+            return true;
+    } while (*n - from < most);
+    return error_set(err, DUET_STATUS_NOT_FOUND, "energy: %s did not move within %u launch%s",
+                     energy_meter_describe(meter), *n - from, *n - from == 1 ? "" : "es");
+}
+
+// Counters move in steps, as seldom as every 100 ms: from one move to a later one is known how many
+// launches took what was counted, however long the step. What the first batch ran into is left out.
 static bool measure_energy(measurement *m, const measure_machine *machine, const duet_plan *plan,
                            energy_meter *meter)
 {
-    enum { MOST = 1000000 };
-    double wanted = ceil((double)energy_meter_window_ns(meter) / fmax(m->median_ns, 1));
-    uint32_t n = (uint32_t)fmin(fmax(wanted, 1), MOST);
+    enum { MOVES = 4, BATCHES = 64, MOST = 1000000 };
+    static const double longest_ns = 2e9; // that a counter may stand
+    double launch_ns = fmax(m->median_ns, 1), window_ns = (double)energy_meter_window_ns(meter);
+    uint32_t batch = (uint32_t)fmin(fmax(ceil(window_ns / BATCHES / launch_ns), 1), MOST);
+    uint32_t most = (uint32_t)fmin(fmax(longest_ns / launch_ns, 1), MOST), n = 0;
+    bool ok = train_until_move(machine, plan, meter, batch, most, &n, &m->failure);
     double before = energy_meter_read(meter);
-    if (!train(machine, plan, n, &m->failure))
-        return false;
-    m->launch.terms.joules = (energy_meter_read(meter) - before) / n;
-    return m->launch.terms.joules > 0 ||
-           error_set(&m->failure, DUET_STATUS_NOT_FOUND,
-                     "energy: %s did not move within %u launch%s", energy_meter_describe(meter), n,
-                     n == 1 ? "" : "es");
+    n = 0;
+    for (int moves = 0; ok && (moves < MOVES || n * launch_ns < window_ns); ++moves)
+        ok = train_until_move(machine, plan, meter, batch, most, &n, &m->failure);
+    m->launch.terms.joules = ok ? (energy_meter_read(meter) - before) / n : 0;
+    return ok;
 }
 
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)

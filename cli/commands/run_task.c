@@ -105,7 +105,7 @@ static bool report(const arguments *args, const ran *r, duet_error *err)
              NUMBER("total_ms", m->total_ms), NUMBER("least_ms", r->results[0].total_ms),
              NUMBER("most_ms", r->results[r->n - 1].total_ms), NUMBER("a_ms", m->device_ms[0]),
              NUMBER("b_ms", m->device_ms[1]), NUMBER("launches", r->n),
-             NUMBER("tolerance", r->task->tolerance));
+             NUMBER("tolerance", r->task->tolerance), STRING("reference", r->task->reference));
     if (!args->json)
         add_tuning(o, args, r);
     json_add_stages(o, m->stages, m->n_stages);

@@ -27,6 +27,19 @@ end
 local most = { price = 30, strike = 100 }
 local roundings = 33.5 * most.price + 40.4 * (1 + most.price) + 5 * most.price + 1
 
+-- What is right. Lua takes too long for many options: there another kernel finds it, with the same formula in double.
+local function reference(v)
+  local s, r = v.volatility, v.rate
+  for i = 0, v.items - 1 do
+    local price, strike, years = v.price[i], v.strike[i], v.years[i]
+    local spread = s * math.sqrt(years)
+    local d1 = (math.log(price / strike) + (r + s * s / 2) * years) / spread
+    local d2, paid = d1 - spread, strike * math.exp(-r * years)
+    v.call[i] = price * normal(d1) - paid * normal(d2)
+    v.put[i] = paid * normal(-d2) - price * normal(-d1)
+  end
+end
+
 return {
   kernel = "black_scholes",
   args = {
@@ -39,17 +52,7 @@ return {
     put = { "float", p.n, access = "out slice" },
   },
   items = p.n,
-  reference = function(v)
-    local s, r = v.volatility, v.rate
-    for i = 0, v.items - 1 do
-      local price, strike, years = v.price[i], v.strike[i], v.years[i]
-      local spread = s * math.sqrt(years)
-      local d1 = (math.log(price / strike) + (r + s * s / 2) * years) / spread
-      local d2, paid = d1 - spread, strike * math.exp(-r * years)
-      v.call[i] = price * normal(d1) - paid * normal(d2)
-      v.put[i] = paid * normal(-d2) - price * normal(-d1)
-    end
-  end,
+  reference = p.n > 4e6 and "black_scholes_plain" or reference,
   tolerance = roundings * 2 ^ -24 + 7.5e-8 * (most.price + most.strike),
   key = { n = p.n },
 }

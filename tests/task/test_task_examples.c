@@ -65,6 +65,46 @@ static void run_example(const char *name, const char *n)
     task_destroy(t);
 }
 
+// What is right for few items is found by Lua, and for many by the plain kernel, which finds the
+// same.
+static void run_plain(const char *name, const char *n)
+{
+    const duet_setting setting = {"n", n};
+    char path[600];
+    task_result r;
+    duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
+    snprintf(path, sizeof path, "%s/%s.task.lua", folder, name);
+    task *t = must(task_load(path, &setting, 1, ERR));
+    assert_string_equal(t->reference, "");
+    snprintf(t->kernel, sizeof t->kernel, "%s_plain", name);
+    snprintf(t->entry, sizeof t->entry, "%s_plain", name);
+    duet_device_pair *pair = open_with_examples();
+    task_launcher *l = must(task_launcher_open(t, pair, ERR));
+    for (uint32_t i = 0; i <= 4; ++i) {
+        plan.share = DUET_SHARE_ONE / 4 * i;
+        must(task_launch(l, &plan, &r, ERR));
+    }
+    task_launcher_close(l);
+    duet_device_pair_destroy(pair);
+    task_destroy(t);
+}
+
+// More items than Lua finds in a moment; the file's reference is then the plain kernel.
+TEST(many_items_have_a_kernel_as_their_reference)
+{
+    static const char *const names[] = {"saxpy", "histogram", "stencil", "black_scholes"};
+    for (int i = 0; i < 4; ++i) {
+        const duet_setting setting = {"n", i == 2 ? "3907" : "4000001"};
+        char path[600], plain[40];
+        run_plain(names[i], i == 2 ? "9" : "3001");
+        snprintf(path, sizeof path, "%s/%s.task.lua", folder, names[i]);
+        snprintf(plain, sizeof plain, "%s_plain", names[i]);
+        task *t = must(task_load(path, &setting, 1, ERR));
+        assert_string_equal(t->reference, plain);
+        task_destroy(t);
+    }
+}
+
 TEST(saxpy_is_right)
 {
     run_example("saxpy", "5003");
