@@ -14,7 +14,7 @@
 // reach from the owner's centre to the point, along the world's axes.
 //
 // With response a manifold is kept while its pair hardly moves: anchors, offset, rotations
-// and bases are those of when it was made.
+// and bases are those of when it was made. A ground's centre is its origin, or that of what moves it.
 #define AT_NORMAL 0 // 3
 #define AT_OFFSET 3 // 3, with response: from the owner's centre to the other's
 #define AT_BASES 6  // with response: separation of each point

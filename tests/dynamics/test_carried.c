@@ -281,6 +281,36 @@ TEST(a_drum_that_turns_keeps_its_grains_and_lifts_them)
     free(c);
 }
 
+// A plate three hundred times as heavy presses balls into a floor that turns and rises, deeper than
+// their centres; they come out again.
+TEST(what_is_pressed_into_a_floor_that_goes_stays_on_it)
+{
+    shape *c = floor_of(80, 9);
+    for (int turns = 0; turns < 3; ++turns) {
+        mover *m = carrying(c);
+        const double rise = 0.5;
+        m->bodies[0].angular_velocity[2] = (float)(2 * turns);
+        set_velocity(m, 0, 0, 0, rise);
+        for (uint32_t i = 0; i < 10; ++i) {
+            bool plate = i == 9;
+            uint32_t id =
+                plate ? mover_add(m, 0, 0, 0.2, 0.6, 0.6, 0.1)
+                      : mover_add(m, 0.3 * (i % 3) - 0.27, 0.3 * (i / 3) - 0.3, 0.05, 0, 0, 0);
+            m->bodies[id].radius = plate ? 0 : 0.05f;
+            m->bodies[id].mass = plate ? 3 : 0.01f;
+            m->bodies[id].friction = 0.5f;
+            set_velocity(m, id, 0, 0, plate ? -3 : 0);
+        }
+        mover_run(m, 120);
+        for (uint32_t id = 1; id < m->n; ++id)
+            if (!(m->states[id].centre[2] > 2 * rise - 0.05))
+                fail_msg("turning by %d rad/s: body %u is at %g %g %g", 2 * turns, id,
+                         m->states[id].centre[0], m->states[id].centre[1], m->states[id].centre[2]);
+        mover_free(m);
+    }
+    free(c);
+}
+
 static uint64_t grain_hash(const shape *c, uint32_t share, double skin, bool sleeps)
 {
     mover *m = grains_in(c, -2);

@@ -467,28 +467,132 @@ TEST(a_hollow_holds_what_is_in_it)
     free(s);
 }
 
-// Two plates, each a hundred times as heavy, fall on balls and press them into the floor, deeper
-// than their centres.
+static void add_plates(mover *m, int n, double half, double mass, double speed)
+{
+    for (int i = 0; i < n; ++i) {
+        uint32_t id = mover_add(m, 0, 0, 0.201 + 0.21 * i, half, half, 0.1);
+        m->bodies[id].mass = (float)mass;
+        m->bodies[id].velocity[2] = (float)-speed;
+        m->bodies[id].friction = 0.5f;
+    }
+}
+
+static uint32_t add_light_ball(mover *m, double x, double y)
+{
+    uint32_t id = mover_add(m, x, y, 0.05, 0, 0, 0);
+    m->bodies[id].radius = 0.05f;
+    m->bodies[id].mass = 0.01f;
+    m->bodies[id].friction = 0.5f;
+    return id;
+}
+
+// Plates fall on balls and press them into the floor, by their radius in a step, and deeper than
+// their centres.
 TEST(what_is_pressed_into_a_mesh_stays_on_it)
 {
+    static const struct {
+        int plates;
+        double mass, speed;
+    } cases[] = {{2, 1, 3}, {1, 3, 3}, {1, 10, 3}, {1, 30, 5}, {2, 3, 9}};
+    rng r = rng_seed(test_seed());
     shape *s = shape_new();
     shape_grid(s, 9, 20, ground_flat);
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        mover *m = on_mesh(s);
+        for (int i = 0; i < 9; ++i)
+            add_light_ball(m, 0.3 * (i % 3 - 1) + rng_between(&r, 0, 0.03),
+                           0.3 * (i / 3 - 1) + rng_between(&r, 0, 0.03));
+        add_plates(m, cases[c].plates, 0.6, cases[c].mass, cases[c].speed);
+        mover_run(m, 120);
+        for (uint32_t id = 0; id < m->n; ++id)
+            if (!(m->states[id].centre[2] > -0.05))
+                fail_msg("plates of %g kg at %g m/s: body %u is at %g %g %g", cases[c].mass,
+                         cases[c].speed, id, m->states[id].centre[0], m->states[id].centre[1],
+                         m->states[id].centre[2]);
+        mover_free(m);
+    }
+    free(s);
+}
+
+// A ridge along y, 0.25 high, on a floor.
+static shape *ridge_of(double half_width)
+{
+    const double across[5] = {-8, -half_width, 0, half_width, 8};
+    shape *s = shape_new();
+    for (int j = 0; j < 13; ++j)
+        for (int i = 0; i < 5; ++i)
+            shape_vertex(s, across[i], 0.5 * (j - 6), i == 2 ? 0 : -0.25);
+    for (uint32_t a = 0; a < 60; ++a)
+        if (a % 5 < 4)
+            shape_quad(s, a, a + 1, a + 6, a + 5);
+    return s;
+}
+
+// Balls that a plate presses on its edge come behind both of its sides at once, and leave by one of
+// them.
+TEST(what_is_pressed_onto_a_ridge_comes_off_it)
+{
+    static const double half_widths[] = {0.02, 0.05, 0.1, 0.2}, masses[] = {0.3, 1, 3, 10};
+    for (int c = 0; c < 16; ++c) {
+        shape *s = ridge_of(half_widths[c % 4]);
+        mover *m = on_mesh(s);
+        for (int i = 0; i < 9; ++i)
+            add_light_ball(m, 0.002 * (i - 4) + 0.001, 0.25 * (i - 4));
+        add_plates(m, 1, 1.2, 9 * masses[c / 4], 3);
+        m->bodies[9].fixed_rotation = true;
+        mover_run(m, 60);
+        for (uint32_t id = 0; id < 9; ++id)
+            if (!(m->states[id].centre[2] > -0.25))
+                fail_msg("a ridge %g wide, %g kg: ball %u is at %g %g %g", 2 * half_widths[c % 4],
+                         masses[c / 4], id, m->states[id].centre[0], m->states[id].centre[1],
+                         m->states[id].centre[2]);
+        mover_free(m);
+        free(s);
+    }
+}
+
+// Bodies of all shapes under plates on rough ground.
+TEST(what_is_pressed_into_rough_ground_comes_out)
+{
+    rng r = ground_drawn = rng_seed(test_seed());
+    for (int round = 0; round < 6; ++round) {
+        field *f = field_new(65, 0.4, ground_rough);
+        mover *m = on_mesh(f->triangles);
+        for (uint32_t k = 0; k < 16; ++k) {
+            uint32_t id = ground_add(m, k % GROUND_KINDS, 0.6 * (k % 4 - 1.5), 0.6 * (k / 4 - 1.5));
+            m->poses[id].centre[2] += 0.5f;
+            m->bodies[id].mass = 0.01f;
+        }
+        add_plates(m, 1 + round % 2, 1.6, pow(10, rng_between(&r, -1, 1)), rng_between(&r, 1, 5));
+        for (uint32_t id = 16; id < m->n; ++id)
+            m->poses[id].centre[2] += 1.2f;
+        mover_run(m, 120);
+        for (uint32_t id = 0; id < 16; ++id) {
+            const double *c = m->states[id].centre;
+            bool over = fabs(c[0]) < 12.7 && fabs(c[1]) < 12.7;
+            if (over && !(c[2] - height_at(f, c[0], c[1]) > -0.1))
+                fail_msg("kind %u is %g below the ground", id % GROUND_KINDS,
+                         height_at(f, c[0], c[1]) - c[2]);
+        }
+        mover_free(m);
+        field_free(f);
+    }
+}
+
+// A command that puts a body behind the mesh is no press: it falls on from there.
+TEST(what_is_put_behind_a_mesh_is_not_brought_back)
+{
+    shape *s = shape_new();
+    shape_grid(s, 9, 1, ground_flat);
     mover *m = on_mesh(s);
-    for (int i = 0; i < 9; ++i) {
-        uint32_t id = mover_add(m, 0.3 * (i % 3 - 1) + 0.03, 0.3 * (i / 3 - 1), 0.05, 0, 0, 0);
-        m->bodies[id].radius = 0.05f;
-        m->bodies[id].mass = 0.01f;
-    }
-    for (int i = 0; i < 2; ++i) {
-        uint32_t id = mover_add(m, 0, 0, 0.2 + 0.21 * i, 0.6, 0.6, 0.1);
-        m->bodies[id].mass = 1;
-        m->bodies[id].velocity[2] = -3;
-    }
-    mover_run(m, 120);
-    for (uint32_t id = 0; id < m->n; ++id)
-        if (!(m->states[id].centre[2] > -0.05))
-            fail_msg("body %u is at %g %g %g", id, m->states[id].centre[0], m->states[id].centre[1],
-                     m->states[id].centre[2]);
+    uint32_t id = ground_add(m, BALL, 0.3, 0.2);
+    mover_run(m, 30);
+    assert_close(m->states[id].centre[2], 0.25, ground_slop);
+    duet_pose below = m->poses[id];
+    below.centre[2] = -1.5f;
+    must(duet_motion_set_poses(m->motion, (duet_body_list){.first = id, .n = 1}, &below, ERR));
+    mover_run(m, 60);
+    assert_close(m->states[id].centre[2], -1.5 - 9.81 / 2, 0.1);
     free(s);
 }
 

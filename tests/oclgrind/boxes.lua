@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: MIT
--- A few boxes for motion.cmake: they fall on each other and on a floor, or fly.
+-- A few boxes for motion.cmake, more for tests/bench/effects.lua: they fall on each other and on a floor, or fly.
 
 local p = parameters {
   dims = 3,
+  n = 5, -- in columns of five
   falling = true, -- onto a floor, with friction, rather than in free flight
   turned = true,
   sleep = false,
@@ -11,6 +12,13 @@ local p = parameters {
   shocks = false,
   hills = false,
   mesh = false,
+  carried = false, -- the mesh, by a body that turns and rises
+  rounded = false, -- every second one is a ball, every fourth a capsule
+  rolling = false, -- resistance
+  belt = false, -- the floor's surface moves
+  materials = false,
+  sensors = false,
+  deep = false, -- 15 mm in each other, and pushed apart
   skin = 0.0,
   boundary = "walls", -- "periodic", "none"
   attraction = 0.0,
@@ -41,20 +49,46 @@ local function cube(edge)
   return half_extents
 end
 
-for i = 0, 4 do
-  local apart = p.falling and 0.98 or 2
-  box(vector(0.2 * i, 0.49 + apart * i), cube(1), {
-    velocity = vector(p.falling and 0.1 or 1, p.continuous and -60 or 0),
-    restitution = p.falling and 0.2 or nil,
+local function round(i, half_extents)
+  if not p.rounded or i % 2 == 0 then return nil end
+  local radius <const> = half_extents[1]
+  for k = 1, p.dims do half_extents[k] = k == 1 and i % 4 == 1 and 0.3 or 0 end
+  return radius
+end
+
+local apart <const> = not p.falling and 2 or p.deep and 0.965 or 0.98
+local side <const> = math.ceil((p.n / 5) ^ (1 / (p.dims - 1)))
+for i = 0, p.n - 1 do
+  local level, column, half_extents = i % 5, i // 5, cube(1)
+  local centre = vector(0.2 * level + 1.6 * (column // 2 * (column % 2 == 0 and 1 or -1)), 0.49 + apart * level)
+  if p.dims == 3 then
+    centre[1] = 0.2 * level + 1.6 * (column % side - (side - 1) // 2)
+    centre[2] = 1.6 * (column // side - (side - 1) // 2)
+  end
+  local radius <const> = round(i, half_extents)
+  box(centre, half_extents, {
+    radius = radius,
+    velocity = vector(p.falling and 0.1 or 1, p.continuous and -60 or p.shocks and -3 or 0),
+    restitution = p.falling and (p.shocks and 0.8 or 0.2) or nil,
     friction = p.falling and 0.5 or nil,
+    rolling_resistance = p.rolling and 0.05 or nil,
+    material = p.materials and i % 4 or nil,
+    sensor = p.sensors and i % 5 == 4 or nil,
     group = p.filtered and 1 + i % 2 or nil,
     mask = p.filtered and 3 or nil,
   })
 end
 if p.falling then
   local floor = cube(1)
-  floor[1] = 6
-  add { centre = vector(0, -0.5), half_extents = floor, mass = 0, friction = 0.5 }
+  for k = 1, p.n > 5 and p.dims - 1 or 1 do floor[k] = 6 end
+  add {
+    centre = vector(0, -0.5),
+    half_extents = floor,
+    mass = 0,
+    friction = 0.5,
+    surface_velocity = p.belt and vector(0.7, 0) or nil,
+    material = p.materials and 3 or nil,
+  }
 end
 
 local heights = { nx = 4, ny = 4, spacing = 2, origin = { -3, -3, 0 }, values = {} }
@@ -70,7 +104,20 @@ for k = 0, 15 do
   end
 end
 
-local wants = {}
+if p.carried then
+  add {
+    centre = { 0, 0, 0.1 },
+    half_extents = { 0, 0, 0 },
+    mass = 0,
+    velocity = { 0, 0, 0.2 },
+    angular_velocity = { 0.1, 0.05, 0.5 },
+    group = 0,
+    mask = 0,
+  }
+  mesh.carrier = p.n + 1
+end
+
+local wants = { p.deep and "depenetration" or nil }
 for _, name in ipairs { "sleep", "continuous", "events", "shocks" } do
   if p[name] then wants[#wants + 1] = name end
 end
@@ -82,7 +129,13 @@ for k = 1, p.dims do lower[k], upper[k] = -8, 12 end
 return {
   dims = p.dims,
   heights = p.hills and heights or nil,
-  mesh = p.mesh and mesh or nil,
+  mesh = (p.mesh or p.carried) and mesh or nil,
+  materials = p.materials and {
+    { friction = 0.05, restitution = 0.1, friction_rule = "min" },
+    { friction = 0.9, restitution = 0.6 },
+    { friction = 0.4, restitution = 0.3, restitution_rule = "product" },
+  } or nil,
+  material_pairs = p.materials and { { 2, 3, friction = 1.1, restitution = 0.2 } } or nil,
   boundary = p.boundary ~= "none" and p.boundary or nil,
   world = { lower = lower, upper = upper },
   gravity = p.attraction == 0 and vector(0, -9.81) or nil,

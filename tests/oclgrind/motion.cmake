@@ -34,7 +34,10 @@ macro(state_of case steps device result)
 endmacro()
 
 set(launched "")
-set(cases_3 "2 --set hills=true" "2 --set mesh=true") # a ground is three-dimensional
+set(cases_3 # a ground is three-dimensional
+  "2 --set hills=true" "2 --set mesh=true"
+  "2 --set carried=true --set rounded=true --set rolling=true --set belt=true"
+  "2 --set mesh=true --set materials=true --set deep=true --set continuous=true")
 foreach(case ${cases_${DIMS}}
     "2 --set shocks=true"
     "3 --set sleep=true --set events=true"
