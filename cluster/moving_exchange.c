@@ -402,15 +402,28 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     domain_contacts_free(&r.contacts);
 }
 
-static void note_kinds(const moving *m, moving_domain *d)
+static void note_places(const moving *m, moving_domain *d)
 {
-    memset(d->kinds, 0, d->bodies.n + FIXED);
+    for (uint32_t k = 0; k < FIXED; ++k)
+        d->places[d->bodies.n + k] = (domain_place){.id = m->n_all + k};
     for (uint64_t i = 0; i < d->bodies.n; ++i) {
         const moving_body *b = moving_body_at(m, &d->bodies, i);
-        d->kinds[i] = (uint8_t)((moving_is_own(d, b) ? PLACE_OWN : 0) |
-                                (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
-                                (b->body.sensor ? PLACE_SENSOR : 0));
+        domain_place *p = &d->places[i];
+        *p = (domain_place){b->id, (moving_is_own(d, b) ? PLACE_OWN : 0) |
+                                       (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
+                                       (b->body.sensor ? PLACE_SENSOR : 0)};
+        p->kind |= moving_is_ghost(d, (uint32_t)i) ? PLACE_SHARED : 0;
     }
+}
+
+// If contacts of two ghosts are solved, too, their colours are told, by who has them as own ones.
+static void mark_places(moving *m, duet_error *own)
+{
+    const halo_item *sent = m->halo.sent.items.items;
+    for (uint64_t i = 0; m->every > 1 && i < m->halo.sent.items.n; ++i)
+        m->domains[sent[i].domain].places[sent[i].place].kind |= PLACE_SHARED;
+    for (uint32_t k = 0; is_well(own) && moving_pushes(m) && k < m->parts; ++k)
+        domain_mark_places(m->domains[k].motion, m->domains[k].places, own);
 }
 
 // All bodies are own ones until ghosts are noted.
@@ -418,12 +431,12 @@ static void reserve_places(moving_domain *d, duet_error *own)
 {
     const size_t n = d->bodies.n + FIXED, bytes = n * sizeof(uint32_t);
     uint32_t *used = realloc(d->used, bytes), *ghost_at = realloc(d->ghost_at, bytes);
-    uint8_t *kinds = realloc(d->kinds, n);
+    domain_place *places = realloc(d->places, n * sizeof *places);
     d->used = used ? used : d->used;
     d->ghost_at = ghost_at ? ghost_at : d->ghost_at;
-    d->kinds = kinds ? kinds : d->kinds;
+    d->places = places ? places : d->places;
     list_clear(&d->left.list);
-    if (used && ghost_at && kinds) {
+    if (used && ghost_at && places) {
         memset(used, 0, bytes);
         memset(ghost_at, 0xFF, bytes);
     } else {
@@ -442,11 +455,13 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
         reserve_places(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
         if (is_well(own))
-            note_kinds(m, &m->domains[k]);
+            note_places(m, &m->domains[k]);
     }
     if (ok)
         moving_note_touching(m, own);
     ok = ok && halo_settle(&m->halo, m, own);
+    if (ok && is_well(own))
+        mark_places(m, own);
     tally t = {.sums = {m->n_ghosts}};
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];

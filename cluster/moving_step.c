@@ -398,7 +398,7 @@ static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *o
         return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
     within = domain_read_bounds(d->motion, bounds, own);
     for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
-        within = !(d->kinds[i] & PLACE_OWN) || stays(m, d, i, bounds + 6 * i);
+        within = !(d->places[i].kind & PLACE_OWN) || stays(m, d, i, bounds + 6 * i);
     }
     free(bounds);
     return within;

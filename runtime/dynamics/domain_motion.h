@@ -13,6 +13,7 @@
 // Contacts by rows: owner and other, which is a place, or n + k of what never moves.
 typedef struct domain_contacts {
     uint32_t n;
+    uint32_t *rows;  // ascending, of those that the host is told of; NULL: all
     cl_uint2 *links; // ascending
     cl_uint *touches, *colours;
     float *records; // [n][layout.record]; NULL: not asked for
@@ -123,8 +124,26 @@ bool domain_update_sleep(duet_motion *m, duet_error *err);
 bool domain_read_flags(duet_motion *m, duet_error *err);
 bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 
-// The contacts by the colours that each has, [n_contacts], and constraints from them.
-bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
+// Tells of all places and of what never moves, [n + FIXED], until bodies are replaced.
+typedef struct domain_place {
+    uint32_t id, kind; // bits of kernels/dynamics/border.h
+} domain_place;
+bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err);
+
+// Colours contacts that begin to push, but for those which more than this domain's contacts decide.
+// Tells of these, of what is solved in order, and of all that have a shared end: rows, links and
+// colours, which the caller frees.
+bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err);
+bool domain_mark_border(duet_motion *m, duet_error *err);                         // of it
+bool domain_list_border(duet_motion *m, domain_contacts *told, duet_error *err); // likewise
+
+// Reads the colours that contacts of n places have, a bit for each.
+bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
+                      duet_error *err);
+
+// Takes the colours of those that it told of; then contacts by colour, and constraints from them.
+bool domain_take_colours(duet_motion *m, const domain_contacts *told, duet_error *err);
+bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err); // of it
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
 // A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts

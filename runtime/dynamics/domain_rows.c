@@ -156,3 +156,9 @@ bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contac
 {
     return move_contacts(m, rows, c, unpack, err);
 }
+
+bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
+{
+    const some_rows colours = {COLOUR_OF, 1, {.words = {1}}, told->rows, told->n};
+    return unpack(m, &colours, told->colours, err);
+}

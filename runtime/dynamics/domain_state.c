@@ -142,6 +142,7 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
 
 void domain_contacts_free(domain_contacts *c)
 {
+    free(c->rows);
     free(c->links);
     free(c->touches);
     free(c->colours);

@@ -10,6 +10,7 @@
 #include "runtime/bodies/motion_def.h"
 #include "runtime/dynamics/altered.h"
 #include "runtime/dynamics/awake.h"
+#include "runtime/dynamics/border.h"
 #include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/ground.h"
 #include "runtime/dynamics/motion_events.h"
@@ -134,6 +135,7 @@ struct duet_motion {
     awake_lists awake;
     contact_solver solver;
     motion_team team;
+    motion_border border; // a domain's
     motion_events told;
     motion_ground ground;
     motion_halves halves; // motion_step.c
