@@ -5,6 +5,8 @@
 
 #include "base/error.h"
 
+#include <math.h>
+
 // ---------------------------------------------------------------- what a step made
 
 // Ghosts are chosen by bounds that bodies stay in for about so many steps, so that pairs are
@@ -380,27 +382,59 @@ static extent extent_of_bounds(const moving *m, const float bounds[6])
                     {bounds[3], bounds[4], flat ? 0.0 : bounds[5]}};
 }
 
-static bool stays(const moving *m, const moving_domain *d, uint64_t place, const float bounds[6])
+static bool stays(const moving *m, const moving_domain *d, const domain_near *near)
 {
-    const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, place)->bounds),
-                 now = extent_of_bounds(m, bounds);
+    const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, near->place)->bounds),
+                 now = extent_of_bounds(m, near->bounds);
     return moving_stays(m, d, &old, &now);
+}
+
+// An extent in float, rounded inward or outward, so that what float says of bounds is right; in 2D
+// all lies in it along z.
+static void round_extent(const moving *m, const extent *e, bool inward, float to[6])
+{
+    for (int k = 0; k < 3; ++k) {
+        const double lower = e->lower[k], upper = e->upper[k];
+        to[k] = (float)lower;
+        to[k + 3] = (float)upper;
+        if (inward ? to[k] < lower : to[k] > lower)
+            to[k] = nextafterf(to[k], inward ? INFINITY : -INFINITY);
+        if (inward ? to[k + 3] > upper : to[k + 3] < upper)
+            to[k + 3] = nextafterf(to[k + 3], inward ? -INFINITY : INFINITY);
+    }
+    if (m->def.dims == 2) {
+        to[2] = -INFINITY;
+        to[5] = INFINITY;
+    }
+}
+
+// The device looks for bodies that may have left, which are near borders.
+static bool list_near(const moving *m, const moving_domain *d, domain_near **near, uint32_t *n,
+                      duet_error *own)
+{
+    const uint32_t n_extents = (uint32_t)d->neighbours.n + 1;
+    float(*extents)[6] = malloc(n_extents * sizeof *extents);
+    if (!extents)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
+    round_extent(m, &m->reaches[d->number], true, extents[0]);
+    for (uint32_t i = 1; i < n_extents; ++i)
+        round_extent(m, &m->reaches[d->neighbours.rows[i - 1]], false, extents[i]);
+    bool ok = domain_list_near(d->motion, extents[0], n_extents, near, n, own);
+    free(extents);
+    return ok;
 }
 
 // Whether pairs that the next step searches are all among the domain's bodies.
 static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *own)
 {
-    bool within = true;
+    domain_near *near = NULL;
+    uint32_t n = 0;
     if (domain_is_bounded(d->motion))
         return true;
-    float *bounds = malloc((6 * d->bodies.n + 1) * sizeof *bounds);
-    if (!bounds)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
-    within = domain_read_bounds(d->motion, bounds, own);
-    for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
-        within = !(d->places[i].kind & PLACE_OWN) || stays(m, d, i, bounds + 6 * i);
-    }
-    free(bounds);
+    bool within = list_near(m, d, &near, &n, own);
+    for (uint32_t i = 0; within && i < n; ++i)
+        within = stays(m, d, &near[i]);
+    free(near);
     return within;
 }
 

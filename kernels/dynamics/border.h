@@ -9,4 +9,6 @@
 #define PLACE_SENSOR 4u
 #define PLACE_SHARED 8u // other domains' contacts, too, tell what is found of this body's
 
+#define NEAR_WORDS 8 // a place, bounds, and a spare word
+
 #endif

@@ -130,6 +130,16 @@ typedef struct domain_place {
 } domain_place;
 bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err);
 
+// Lists own bodies whose next bounds leave the first of n extents [6], or meet one of the others, in
+// any order; the caller frees the list.
+typedef struct domain_near {
+    uint32_t place;
+    float bounds[6];
+    uint32_t spare;
+} domain_near;
+bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_near **list,
+                      uint32_t *n_list, duet_error *err);
+
 // Colours contacts that begin to push, but for those which more than this domain's contacts decide.
 // Tells of these, of what is solved in order, and of all that have a shared end: rows, links and
 // colours, which the caller frees.

@@ -68,6 +68,8 @@ BUFFER(N_LISTED, "n_listed", "uint *")
 BUFFER(PLACES_OF, "places", "uint2 *")
 BUFFER(BORDER_STARTS, "border_starts", "uint *")
 BUFFER(BORDER, "border", "uint4 *")
+BUFFER(EXTENTS, "extents", "float *")
+BUFFER(NEAR, "near", "uint *")
 // while states are read, and as they were read last
 BUFFER(READ_IDS, "ids", "uint *")
 BUFFER(GATHERED, "gathered", "uint *")
