@@ -57,7 +57,8 @@ typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;    // of all ranks' domains
     item_list bodies;   // ascending by id; the motion's, place by place
-    item_list contacts; // ascending; what the next step begins with, until that begins
+    item_list contacts; // ascending; those that travelled and the next step begins with, until that
+                        // begins
     uint32_t n_own;
     uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here: of
                             // bodies that others are told of, and of ends of what waits
@@ -240,8 +241,24 @@ void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_err
 // Makes a motion of all bodies that of a file; not collective.
 bool moving_load(duet_motion *whole, const char *path, duet_error *own);
 
+// Whether all contacts of a domain travel when bodies are exchanged, also those that stay there:
+// where they tell something, or others solve them, too.
+static inline bool moving_sends_all(const moving *m)
+{
+    const uint32_t effects = m->domains[0].motion->effects;
+    return m->every > 1 || (effects & DUET_EFFECT_EVENTS) ||
+           !(effects & DUET_EFFECT_CONTACT_RESPONSE);
+}
+
+// Writes a contact of a domain's motion, and its record behind, to where it has space.
+void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
+                          uint32_t i, moving_contact *row);
+
 // Adds the contacts of a domain's motion, each for the domains that own its ends.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);
+
+// Tells of the places of a domain's motion as its bodies are now.
+void moving_note_places(const moving *m, moving_domain *d, duet_error *own);
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);

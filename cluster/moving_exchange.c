@@ -382,15 +382,47 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
     }
 }
 
+// The places that bodies get which were here before, as far as they still are.
+static uint32_t *find_moved(const moving *m, const moving_domain *d)
+{
+    const uint32_t n = d->motion->n;
+    uint32_t *moved = malloc(((size_t)n + FIXED) * sizeof *moved);
+    uint64_t now = 0;
+    for (uint32_t i = 0; moved && i < n; ++i) {
+        while (now < d->bodies.n && moving_body_at(m, &d->bodies, now)->id < d->places[i].id)
+            ++now;
+        moved[i] = (uint32_t)now;
+    }
+    for (uint32_t k = 0; moved && k < FIXED; ++k)
+        moved[n + k] = (uint32_t)d->bodies.n + k;
+    return moved;
+}
+
+// Contacts that do not travel stay.
+static void keep_contacts(const moving *m, const moving_domain *d, duet_error *own)
+{
+    if (moving_sends_all(m) || d->motion->graph.n_contacts == 0) {
+        domain_drop_contacts(d->motion);
+        return;
+    }
+    uint32_t *moved = find_moved(m, d);
+    if (!moved)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", d->motion->n);
+    else
+        domain_keep_contacts(d->motion, moved, own);
+    free(moved);
+}
+
 void moving_replace(moving *m, moving_domain *d, duet_error *own)
 {
     replacement r = {0};
     sort_domain(m, d);
+    keep_contacts(m, d, own);
     moving_keep_base(m, d->motion);
     if (!reserve(m, d, &r)) {
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
-    } else {
+    } else if (is_well(own)) {
         fill_bodies(m, d, &r);
         fill_contacts(m, d, &r);
         domain_replace_bodies(d->motion, r.poses, r.bodies, r.states, (uint32_t)d->bodies.n,
@@ -400,20 +432,6 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     free(r.bodies);
     free(r.states);
     domain_contacts_free(&r.contacts);
-}
-
-static void note_places(const moving *m, moving_domain *d)
-{
-    for (uint32_t k = 0; k < FIXED; ++k)
-        d->places[d->bodies.n + k] = (domain_place){.id = m->n_all + k};
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        domain_place *p = &d->places[i];
-        *p = (domain_place){b->id, (moving_is_own(d, b) ? PLACE_OWN : 0) |
-                                       (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
-                                       (b->body.sensor ? PLACE_SENSOR : 0)};
-        p->kind |= moving_is_ghost(d, (uint32_t)i) ? PLACE_SHARED : 0;
-    }
 }
 
 // If contacts of two ghosts are solved, too, their colours are told, by who has them as own ones.
@@ -426,17 +444,39 @@ static void mark_places(moving *m, duet_error *own)
         domain_mark_places(m->domains[k].motion, m->domains[k].places, own);
 }
 
-// All bodies are own ones until ghosts are noted.
-static void reserve_places(moving_domain *d, duet_error *own)
+static bool reserve_places(moving_domain *d, duet_error *own)
 {
-    const size_t n = d->bodies.n + FIXED, bytes = n * sizeof(uint32_t);
+    domain_place *places = realloc(d->places, (d->bodies.n + FIXED) * sizeof *places);
+    d->places = places ? places : d->places;
+    return places || error_set(own, DUET_STATUS_NO_MEMORY, "the places of %u bodies: no memory",
+                               (uint32_t)d->bodies.n);
+}
+
+void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
+{
+    if (!reserve_places(d, own))
+        return;
+    for (uint32_t k = 0; k < FIXED; ++k)
+        d->places[d->bodies.n + k] = (domain_place){.id = m->n_all + k};
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        domain_place *p = &d->places[i];
+        *p = (domain_place){b->id, (moving_is_own(d, b) ? PLACE_OWN : 0) |
+                                       (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
+                                       (b->body.sensor ? PLACE_SENSOR : 0)};
+        p->kind |= moving_is_ghost(d, (uint32_t)i) ? PLACE_SHARED : 0;
+    }
+}
+
+// All bodies are own ones until ghosts are noted.
+static void reserve_colours(moving_domain *d, duet_error *own)
+{
+    const size_t bytes = (d->bodies.n + FIXED) * sizeof(uint32_t);
     uint32_t *used = realloc(d->used, bytes), *ghost_at = realloc(d->ghost_at, bytes);
-    domain_place *places = realloc(d->places, n * sizeof *places);
     d->used = used ? used : d->used;
     d->ghost_at = ghost_at ? ghost_at : d->ghost_at;
-    d->places = places ? places : d->places;
     list_clear(&d->left.list);
-    if (used && ghost_at && places) {
+    if (used && ghost_at) {
         memset(used, 0, bytes);
         memset(ghost_at, 0xFF, bytes);
     } else {
@@ -452,10 +492,9 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
              share_contacts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
-        reserve_places(&m->domains[k], own);
+        reserve_colours(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
-        if (is_well(own))
-            note_places(m, &m->domains[k]);
+        moving_note_places(m, &m->domains[k], own);
     }
     if (ok)
         moving_note_touching(m, own);

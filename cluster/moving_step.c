@@ -94,19 +94,26 @@ static void send_contact(moving *m, moving_contact *row, const uint32_t next[2],
     }
 }
 
+void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
+                          uint32_t i, moving_contact *row)
+{
+    const size_t record = m->contact_bytes - sizeof(moving_contact);
+    *row = (moving_contact){.owner = moving_id(m, d, from->links[i].s[0]),
+                            .other = moving_id(m, d, from->links[i].s[1]),
+                            .touch = from->touches[i],
+                            .colour = from->colours[i]};
+    memcpy(row + 1, (const char *)from->records + i * record, record);
+}
+
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
                         bool is_told, item_list *contacts)
 {
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
     const uint32_t *ends = from->links[i].s;
     if (!is_right(m, d, ends))
         return;
-    contact_row row = {.head = {.owner = moving_id(m, d, ends[0]),
-                                .other = moving_id(m, d, ends[1]),
-                                .touch = from->touches[i],
-                                .colour = from->colours[i],
-                                .told = is_told}};
-    memcpy(row.record, (const char *)from->records + i * record, record);
+    contact_row row;
+    moving_write_contact(m, d, from, i, &row.head);
+    row.head.told = is_told;
     const uint32_t next[2] = {next_of(m, d, moving_body_or_wall(m, d, ends[0]), true),
                               next_of(m, d, moving_body_or_wall(m, d, ends[1]), false)};
     send_contact(m, &row.head, next, contacts);
@@ -134,21 +141,67 @@ static void send_parted(moving *m, const moving_domain *d, const item_list *part
 }
 
 // A contact that does not touch has nothing to keep.
+static void add_contacts(moving *m, const moving_domain *d, const domain_contacts *all,
+                         item_list *contacts, duet_error *own)
+{
+    uint8_t *told = calloc((size_t)d->motion->graph.n_contacts + 1, 1);
+    if (!told)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u contacts: no memory", all->n);
+    else if (!all->rows && domain_note_touching(d->motion, own))
+        domain_read_told(d->motion, told, own);
+    for (uint32_t i = 0; is_well(own) && i < all->n; ++i)
+        if (all->touches[i] & TOUCH_POINTS)
+            add_contact(m, d, all, i, told[i], contacts);
+    free(told);
+}
+
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
-    if (!domain_read_contacts(d->motion, true, &all, own))
-        return;
-    uint8_t *told = malloc(all.n + 1);
-    if (!told)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u contacts: no memory", all.n);
-    else if (domain_note_touching(d->motion, own))
-        domain_read_told(d->motion, told, own);
-    for (uint32_t i = 0; is_well(own) && i < all.n; ++i)
-        if (all.touches[i] & TOUCH_POINTS)
-            add_contact(m, d, &all, i, told[i], contacts);
-    free(told);
+    if (domain_read_contacts(d->motion, true, &all, own))
+        add_contacts(m, d, &all, contacts, own);
     domain_contacts_free(&all);
+}
+
+// Ghosts and own bodies that leave take their contacts along.
+static void mark_travelling(const moving *m, moving_domain *d, duet_error *own)
+{
+    moving_note_places(m, d, own);
+    for (uint64_t i = 0; is_well(own) && i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        if (!moving_is_own(d, b) || moving_domain_of(m, b) != d->number)
+            d->places[i].kind |= PLACE_SHARED;
+    }
+    if (is_well(own))
+        domain_mark_places(d->motion, d->places, own);
+}
+
+// Leaves those contacts that travel of the ones that the host is told of.
+static void leave_travelling(const moving_domain *d, domain_contacts *c)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < c->n; ++i) {
+        const uint32_t *ends = c->links[i].s;
+        if (!((d->places[ends[0]].kind | d->places[ends[1]].kind) & PLACE_SHARED))
+            continue;
+        c->rows[kept] = c->rows[i];
+        c->links[kept++] = c->links[i];
+    }
+    c->n = kept;
+}
+
+// Reads the contacts that travel; the others stay in the motion.
+static void read_travelling(moving *m, moving_domain *d, item_list *contacts, duet_error *own)
+{
+    domain_contacts listed = {0};
+    mark_travelling(m, d, own);
+    if (!is_well(own) || !domain_list_border(d->motion, &listed, own))
+        return;
+    leave_travelling(d, &listed);
+    if (domain_reserve_rows(&listed, d->motion, own) &&
+        domain_read_rows(d->motion, listed.rows, &listed, own))
+        add_contacts(m, d, &listed, contacts, own);
+    domain_contacts_free(&listed);
 }
 
 // The domains that contacts go to follow from where bodies are, and from the borders.
@@ -159,7 +212,10 @@ static bool read_all(moving *m, const item_list *parted, item_list *contacts, du
     if (moving_cut_is_due(m) && !moving_cut(m, own))
         return false;
     for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k) {
-        moving_read_contacts(m, &m->domains[k], contacts, own);
+        if (moving_sends_all(m))
+            moving_read_contacts(m, &m->domains[k], contacts, own);
+        else
+            read_travelling(m, &m->domains[k], contacts, own);
         send_parted(m, &m->domains[k], &parted[k], contacts);
     }
     return true;

@@ -78,8 +78,8 @@ __kernel void count_border(COUNT_BORDER_ARGS)
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_contacts + 1);
     for (uint i = first; i < last; ++i) {
         bool told = false;
-        if (i < n_contacts) {
-            uint2 link = links[i];
+        uint2 link = i < n_contacts ? links[i] : (uint2)(NO_PLACE);
+        if (link.x != NO_PLACE) {
             told = colours[i] == COLOUR_WAITS || colours[i] == COLOUR_OVERFLOW ||
                    ((places[link.x].y | places[link.y].y) & PLACE_SHARED);
         }

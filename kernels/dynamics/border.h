@@ -9,6 +9,8 @@
 #define PLACE_SENSOR 4u
 #define PLACE_SHARED 8u // other domains' contacts, too, tell what is found of this body's
 
+#define NO_PLACE 0xFFFFFFFFu // owner and other of a contact that is not here
+
 #define NEAR_WORDS 8 // a place, bounds, and a spare word
 
 #endif

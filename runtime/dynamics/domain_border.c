@@ -98,7 +98,8 @@ static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
 bool domain_list_border(duet_motion *m, domain_contacts *c, duet_error *err)
 {
     *c = (domain_contacts){0};
-    bool ok = (m->n == 0 || m->graph.n_contacts == 0 || count_listed(m, &c->n, err)) &&
+    bool ok = (m->n == 0 || m->graph.n_contacts == 0 ||
+               (build(m, err) && count_listed(m, &c->n, err))) &&
               fetch(m, c, err);
     if (!ok)
         domain_contacts_free(c);
@@ -185,4 +186,20 @@ bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_n
     *list = malloc(bytes);
     return *list ? motion_fetch(m, stage, NEAR, sizeof **list, *list, bytes, err)
                  : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", *n_list);
+}
+
+// ---------------------------------------------------------------- contacts that stay
+
+bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err)
+{
+    const size_t n = (size_t)m->n + FIXED;
+    const kernel_request list[] = {
+        {&m->border.keep_contacts, true, "keep_contacts", "keep_contacts", motion_bindings},
+    };
+    return (m->border.keep_contacts || motion_build_kernels(m, list, 1, false, err)) &&
+           motion_reserve(m, MOVED_TO, n, sizeof *moved, err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[MOVED_TO], 0, moved, n * sizeof *moved,
+                             err) &&
+           motion_launch(m, stage, m->border.keep_contacts, m->graph.n_contacts, err) &&
+           timeline_finish(&m->times, err);
 }

@@ -25,6 +25,9 @@ void domain_contacts_free(domain_contacts *c);
 bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,
                              duet_error *err);
 
+// Memory for what domain_read_rows reads of contacts that the host was told of.
+bool domain_reserve_rows(domain_contacts *c, const duet_motion *m, duet_error *err);
+
 // Makes a motion without bodies, as a part of one of a def whose substeps are chosen, and of bodies
 // with these facts and this mean least extent.
 duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts, double extent,
@@ -55,7 +58,7 @@ size_t domain_rest_at(const duet_motion *m);
 // Whether a contact's record of n points pushed in the last step.
 bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 
-// Reads contacts, which the caller frees.
+// Reads contacts, which the caller frees. A link of NO_PLACE is of none that is here.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
 // Reads c->n contacts of so many rows, all but their links, and writes them.
@@ -87,7 +90,13 @@ bool domain_list_touching(duet_motion *m, duet_error *err); // of it
 bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err);
 bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, duet_error *err);
 
-// Replaces all bodies, and the contacts that they had in the last step.
+// Lets contacts of the last step stay, but for those that have a shared end: moved [n + FIXED] are the
+// places that bodies get, in the same order, and what never moves. Without it replaced bodies have
+// none of these contacts.
+bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err);
+void domain_drop_contacts(duet_motion *m);
+
+// Replaces all bodies, and adds contacts that they had in the last step.
 bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
                            const char *states, uint32_t n, const domain_contacts *c,
                            duet_error *err);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the host reads and replaces of a domain's motion between its stages.
 #include "base/error.h"
+#include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_commands.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
@@ -162,6 +163,15 @@ bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with
            error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
 }
 
+bool domain_reserve_rows(domain_contacts *c, const duet_motion *m, duet_error *err)
+{
+    const size_t n = (size_t)c->n + 1;
+    c->touches = malloc(n * sizeof *c->touches);
+    c->records = malloc(n * m->layout.record * sizeof(float));
+    return (c->touches && c->records) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+}
+
 static bool responds(const duet_motion *m)
 {
     return m->effects & DUET_EFFECT_CONTACT_RESPONSE;
@@ -199,15 +209,42 @@ static bool put(duet_motion *m, motion_buffer which, const void *from, size_t n,
             timeline_write_at(&m->times, stage, &m->buffers[which], 0, from, n * size, err));
 }
 
+// Writes n rows behind those that a buffer has.
+static bool append(duet_motion *m, motion_buffer which, uint32_t first, const void *from, size_t n,
+                   size_t size, duet_error *err)
+{
+    return motion_extend(m, which, first * size, (first + n + 1) * size, err) &&
+           (n == 0 || timeline_write_at(&m->times, stage, &m->buffers[which], first * size, from,
+                                        n * size, err));
+}
+
+void domain_drop_contacts(duet_motion *m)
+{
+    m->graph.n_contacts = 0;
+}
+
+// Those behind others are apart from these, for both ascend by themselves.
+static bool part(duet_motion *m, duet_error *err)
+{
+    static const cl_uint2 none = {{NO_PLACE, NO_PLACE}};
+    return m->graph.n_contacts == 0 ||
+           (append(m, LINKS, m->graph.n_contacts++, &none, 1, sizeof none, err) &&
+            timeline_finish(&m->times, err));
+}
+
 static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error *err)
 {
-    m->graph.n_contacts = c->n;
-    if (c->n > 0)
+    if (!part(m, err))
+        return false;
+    const uint32_t first = m->graph.n_contacts;
+    m->graph.n_contacts += c->n;
+    if (m->graph.n_contacts > 0)
         product_renew(&m->products, PRODUCT_ROWS); // made elsewhere, of no pairs here
-    return put(m, LINKS, c->links, c->n, sizeof *c->links, err) &&
-           put(m, TOUCHES, c->touches, c->n, sizeof *c->touches, err) &&
-           (!responds(m) || put(m, COLOUR_OF, c->colours, c->n, sizeof *c->colours, err)) &&
-           put(m, CONTACTS, c->records, c->n, m->layout.record * sizeof(float), err);
+    return append(m, LINKS, first, c->links, c->n, sizeof *c->links, err) &&
+           append(m, TOUCHES, first, c->touches, c->n, sizeof *c->touches, err) &&
+           (!responds(m) ||
+            append(m, COLOUR_OF, first, c->colours, c->n, sizeof *c->colours, err)) &&
+           append(m, CONTACTS, first, c->records, c->n, m->layout.record * sizeof(float), err);
 }
 
 // ---------------------------------------------------------------- bodies

@@ -66,6 +66,7 @@ BUFFER(AWAKE_CONTACTS, "awake_contacts", "uint *")
 BUFFER(N_LISTED, "n_listed", "uint *")
 // of a domain: its places' ids and kinds, and the contacts that its host is told of
 BUFFER(PLACES_OF, "places", "uint2 *")
+BUFFER(MOVED_TO, "moved", "uint *")
 BUFFER(BORDER_STARTS, "border_starts", "uint *")
 BUFFER(BORDER, "border", "uint4 *")
 BUFFER(EXTENTS, "extents", "float *")

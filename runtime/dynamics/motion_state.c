@@ -93,24 +93,27 @@ static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t by
            error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, bytes);
 }
 
-// A buffer of more rows that keeps what it has, and waits for nothing if that is nothing; new
-// rows are 0.
+bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err)
+{
+    buffer *b = &m->buffers[which], fresh = {0};
+    if (b->bytes >= bytes)
+        return true;
+    bool ok = buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err) &&
+              (kept == 0 || copy(m, b, &fresh, kept, err));
+    if (ok)
+        buffer_swap(b, &fresh);
+    buffer_release(&fresh);
+    return ok;
+}
+
+// New rows are 0.
 static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
 {
     size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
-    size_t kept = old_n * row, bytes = ((size_t)m->n + FIXED) * row;
-    buffer *b = &m->buffers[which];
-    if (b->bytes < bytes) {
-        buffer fresh = {0};
-        bool ok = buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err) &&
-                  (kept == 0 || copy(m, b, &fresh, kept, err));
-        if (ok)
-            buffer_swap(b, &fresh);
-        buffer_release(&fresh);
-        if (!ok)
-            return false;
-    }
-    return timeline_fill(&m->times, "clear", b, 0, old_n * words, bytes / sizeof(uint32_t), err);
+    size_t bytes = ((size_t)m->n + FIXED) * row;
+    return motion_extend(m, which, old_n * row, bytes, err) &&
+           timeline_fill(&m->times, "clear", &m->buffers[which], 0, old_n * words,
+                         bytes / sizeof(uint32_t), err);
 }
 
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
