@@ -274,13 +274,63 @@ static int compare_contacts(const void *left, const void *right)
     return a->other < b->other ? -1 : a->other > b->other;
 }
 
-// Domains that each had an end of a contact send it to one that has both.
-static void sort_domain(moving *m, moving_domain *d)
+// How many of the first bodies ascend: all that stayed do.
+static uint64_t count_ascending(const moving *m, const item_list *bodies)
 {
-    item_list *c = &d->contacts;
+    uint64_t n = bodies->n > 0;
+    while (n < bodies->n &&
+           moving_body_at(m, bodies, n - 1)->id < moving_body_at(m, bodies, n)->id)
+        ++n;
+    return n;
+}
+
+// The first of n bodies, which ascend, whose id is not below.
+static uint64_t place_among(const moving *m, const item_list *bodies, uint64_t n, uint32_t id)
+{
+    uint64_t low = 0;
+    while (low < n) {
+        uint64_t middle = low + (n - low) / 2;
+        if (moving_body_at(m, bodies, middle)->id < id)
+            low = middle + 1;
+        else
+            n = middle;
+    }
+    return low;
+}
+
+// Merges n bodies that came with those that were there, from the last on: each moves once.
+static void merge_bodies(const moving *m, item_list *bodies, uint64_t n_before, const char *came,
+                         uint64_t n)
+{
+    for (uint64_t end = bodies->n; n > 0; --end) {
+        const moving_body *last = (const void *)(came + (n - 1) * m->body_bytes);
+        uint64_t place = place_among(m, bodies, n_before, last->id), moves = n_before - place;
+        memmove(moving_body_at(m, bodies, end - moves), moving_body_at(m, bodies, place),
+                moves * m->body_bytes);
+        end -= moves;
+        memcpy(moving_body_at(m, bodies, end - 1), last, m->body_bytes);
+        n_before = place;
+        --n;
+    }
+}
+
+static bool sort_bodies(const moving *m, item_list *bodies)
+{
+    const uint64_t n_before = count_ascending(m, bodies), n = bodies->n - n_before;
+    char *came = malloc(n * m->body_bytes + 1);
+    if (came && n > 0) {
+        memcpy(came, moving_body_at(m, bodies, n_before), n * m->body_bytes);
+        qsort(came, n, m->body_bytes, compare_bodies);
+        merge_bodies(m, bodies, n_before, came, n);
+    }
+    free(came);
+    return came;
+}
+
+// Domains that each had an end of a contact send it to one that has both.
+static void sort_contacts(const moving *m, item_list *c)
+{
     uint64_t kept = 0;
-    if (d->bodies.n > 0)
-        qsort(d->bodies.items, d->bodies.n, m->body_bytes, compare_bodies);
     if (c->n > 0)
         qsort(c->items, c->n, m->contact_bytes, compare_contacts);
     for (uint64_t i = 0; i < c->n; ++i) {
@@ -293,16 +343,9 @@ static void sort_domain(moving *m, moving_domain *d)
 
 uint32_t moving_place(const moving *m, const moving_domain *d, uint32_t id)
 {
-    uint32_t low = 0, high = (uint32_t)d->bodies.n;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (moving_body_at(m, &d->bodies, middle)->id < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    bool found = low < d->bodies.n && moving_body_at(m, &d->bodies, low)->id == id;
-    return found ? low : UINT32_MAX;
+    const uint64_t place = place_among(m, &d->bodies, d->bodies.n, id);
+    bool found = place < d->bodies.n && moving_body_at(m, &d->bodies, place)->id == id;
+    return found ? (uint32_t)place : UINT32_MAX;
 }
 
 // ---------------------------------------------------------------- into the motions
@@ -416,8 +459,11 @@ static void keep_contacts(const moving *m, const moving_domain *d, duet_error *o
 void moving_replace(moving *m, moving_domain *d, duet_error *own)
 {
     replacement r = {0};
-    sort_domain(m, d);
-    keep_contacts(m, d, own);
+    sort_contacts(m, &d->contacts);
+    if (!sort_bodies(m, &d->bodies))
+        error_set(own, DUET_STATUS_NO_MEMORY, "bodies that came: no memory");
+    if (is_well(own))
+        keep_contacts(m, d, own);
     moving_keep_base(m, d->motion);
     if (!reserve(m, d, &r)) {
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
