@@ -78,6 +78,10 @@ bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *part
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                         const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 
+// Waits until the device has read what rows were written from: before, places and packed are to stay
+// as they are.
+bool domain_await_rows(duet_motion *m, duet_error *err);
+
 // With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
 // in a step; and makes that what touches before the next step, which duet_motion_advance takes.
 bool domain_note_touching(duet_motion *m, duet_error *err);

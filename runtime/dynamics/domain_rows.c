@@ -105,7 +105,7 @@ static bool pack(duet_motion *m, const some_rows *s, void *packed, duet_error *e
             motion_fetch(m, stage, GATHERED, 0, packed, s->n * packed_bytes(s), err));
 }
 
-// Waits, for packed and places are the caller's and the device may still read them.
+// Does not wait, though packed and places are the caller's (domain_await_rows).
 static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error *err)
 {
     if (m->buffers[s->which].host)
@@ -113,8 +113,13 @@ static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error 
     return s->n == 0 || (prepare(m, s, err) &&
                          timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
                                            s->n * packed_bytes(s), err) &&
-                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err) &&
-                         timeline_finish(&m->times, err));
+                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err));
+}
+
+// Rows of the host's memory are written in place.
+bool domain_await_rows(duet_motion *m, duet_error *err)
+{
+    return m->buffers[CENTRES].host || timeline_finish(&m->times, err);
 }
 
 // ---------------------------------------------------------------- rows by body
@@ -154,11 +159,11 @@ bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, 
 bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
                        duet_error *err)
 {
-    return move_contacts(m, rows, c, unpack, err);
+    return move_contacts(m, rows, c, unpack, err) && domain_await_rows(m, err);
 }
 
 bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
 {
     const some_rows colours = {COLOUR_OF, 1, {.words = {1}}, told->rows, told->n};
-    return unpack(m, &colours, told->colours, err);
+    return unpack(m, &colours, told->colours, err) && domain_await_rows(m, err);
 }
