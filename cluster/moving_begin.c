@@ -219,6 +219,8 @@ static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t 
     }
     some.bodies.n = is_well(own) ? n : 0;
     moving_read_bodies(m, &some, own);
+    for (uint32_t i = 0; i < some.bodies.n; ++i)
+        moving_body_at(m, &some.bodies, i)->at = NO_PLACE;
     list_append(&to->bodies, &some.bodies, m->body_bytes);
     free(some.bodies.items);
 }

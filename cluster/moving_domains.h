@@ -30,6 +30,7 @@ typedef struct moving_body {
     uint32_t domain;   // that it goes to
     uint32_t own;      // the domain whose own it is
     uint32_t id;       // its place among all bodies
+    uint32_t at;       // its place in the domain's motion when bodies were read; NO_PLACE: it came
     float bounds[6];   // that ghosts are chosen by
     uint32_t acts;     // whether it has contacts with what does not
     uint32_t complete; // whether its own domain has all its contacts: those of what acted since

@@ -66,6 +66,17 @@ static item_list *contacts_of(moving_domain *d)
 
 // ---------------------------------------------------------------- own bodies
 
+// Adds a body that comes to a domain.
+static void add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out)
+{
+    list_add(out, b, 1, m->body_bytes);
+    if (out->failed)
+        return;
+    moving_body *last = moving_body_at(m, out, out->n - 1);
+    last->domain = domain;
+    last->at = NO_PLACE;
+}
+
 // Ghosts go, and own bodies that another domain's box holds are sent there.
 static void leave(moving *m, moving_domain *d, item_list *out)
 {
@@ -76,7 +87,7 @@ static void leave(moving *m, moving_domain *d, item_list *out)
             continue;
         b->domain = b->own = moving_domain_of(m, b);
         if (!moving_is_own(d, b))
-            list_add(out, b, 1, m->body_bytes);
+            add_coming(m, b, b->domain, out);
         else
             memmove(moving_body_at(m, &d->bodies, kept++), b, m->body_bytes);
     }
@@ -129,9 +140,7 @@ static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *
     for (uint32_t to = 0; to < m->n_domains; ++to) {
         if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
-        list_add(out, b, 1, m->body_bytes);
-        if (!out->failed)
-            moving_body_at(m, out, out->n - 1)->domain = to;
+        add_coming(m, b, to, out);
         halo_add(&m->halo.sent.items, &(halo_item){.rank = to / m->parts,
                                                    .to = to,
                                                    .from = d->number,
@@ -351,36 +360,56 @@ uint32_t moving_place(const moving *m, const moving_domain *d, uint32_t id)
 // ---------------------------------------------------------------- into the motions
 
 typedef struct replacement {
-    duet_pose *poses;
-    duet_body *bodies;
-    char *states;
+    domain_bodies bodies;
+    row_list waking; // own places that leant on what is not here
     domain_contacts contacts;
 } replacement;
 
+static uint32_t count_fresh(const moving *m, const moving_domain *d)
+{
+    uint32_t n = 0;
+    for (uint64_t i = 0; i < d->bodies.n; ++i)
+        n += moving_body_at(m, &d->bodies, i)->at == NO_PLACE;
+    return n;
+}
+
 static bool reserve(const moving *m, const moving_domain *d, replacement *r)
 {
-    size_t n = d->bodies.n + 1, contacts = d->contacts.n + 1;
-    r->poses = malloc(n * sizeof *r->poses);
-    r->bodies = malloc(n * sizeof *r->bodies);
-    r->states = malloc(n * (m->body_bytes - sizeof(moving_body)) + 1);
+    domain_bodies *b = &r->bodies;
+    size_t n = d->bodies.n + FIXED, contacts = d->contacts.n + 1;
+    b->n = (uint32_t)d->bodies.n;
+    b->n_fresh = count_fresh(m, d);
+    b->poses = malloc(n * sizeof *b->poses);
+    b->bodies = malloc(n * sizeof *b->bodies);
+    b->from = malloc(n * sizeof *b->from);
+    b->fresh = malloc((b->n_fresh + 1) * sizeof *b->fresh);
+    b->states = malloc(b->n_fresh * (m->body_bytes - sizeof(moving_body)) + 1);
     r->contacts.links = malloc(contacts * sizeof *r->contacts.links);
     r->contacts.touches = malloc(contacts * sizeof *r->contacts.touches);
     r->contacts.colours = malloc(contacts * sizeof *r->contacts.colours);
     r->contacts.records = malloc(contacts * (m->contact_bytes - sizeof(moving_contact)) + 1);
-    return r->poses && r->bodies && r->states && r->contacts.links && r->contacts.touches &&
-           r->contacts.colours && r->contacts.records;
+    return b->poses && b->bodies && b->from && b->fresh && b->states && r->contacts.links &&
+           r->contacts.touches && r->contacts.colours && r->contacts.records;
 }
 
 static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
 {
     const size_t state = m->body_bytes - sizeof(moving_body);
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+    domain_bodies *to = &r->bodies;
+    to->n_fresh = 0;
+    for (uint32_t i = 0; i < to->n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
         b->complete = b->acts || m->n_domains == 1;
-        r->poses[i] = b->pose;
-        r->bodies[i] = b->body;
-        memcpy(r->states + i * state, moving_state(b), state);
+        to->poses[i] = b->pose;
+        to->bodies[i] = b->body;
+        to->from[i] = b->at;
+        if (b->at != NO_PLACE)
+            continue;
+        memcpy(to->states + to->n_fresh * state, moving_state(b), state);
+        to->fresh[to->n_fresh++] = i;
     }
+    for (uint32_t k = 0; k < FIXED; ++k)
+        to->from[to->n + k] = NO_PLACE;
 }
 
 // An own sleeper that leant on what is far away now wakes, as in match_contacts.cl.
@@ -388,18 +417,16 @@ static void wake_end(const moving *m, const moving_domain *d, const moving_conta
                      uint32_t place, replacement *r)
 {
     const duet_motion *motion = d->motion;
-    const size_t state = m->body_bytes - sizeof(moving_body);
     uint32_t points = c->touch & TOUCH_POINTS;
-    const float none = 0.0f;
     bool leant = (motion->effects & DUET_EFFECT_SLEEP) &&
                  domain_was_pushed(motion, (const float *)(const void *)(c + 1), points);
-    char *rest =
-        !moving_owns(m, d, place) ? NULL : r->states + place * state + domain_rest_at(motion);
     cl_uint asleep = 0;
-    if (rest)
-        memcpy(&asleep, rest + sizeof none, sizeof asleep);
-    if (leant && rest && (asleep & SLEEPS))
-        memcpy(rest, &none, sizeof none);
+    if (!leant || !moving_owns(m, d, place))
+        return;
+    const char *rest = moving_state(moving_body_at(m, &d->bodies, place)) + domain_rest_at(motion);
+    memcpy(&asleep, rest + sizeof(float), sizeof asleep);
+    if (asleep & SLEEPS)
+        row_list_add(&r->waking, place);
 }
 
 // A contact of which an end is not here any more is none: bounds that meet are here.
@@ -423,6 +450,20 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
         to->colours[to->n] = c->colour;
         memcpy((char *)to->records + to->n++ * record, c + 1, record);
     }
+}
+
+// They have no rest.
+static bool wake(moving_domain *d, const row_list *places, duet_error *own)
+{
+    const row_parts whole = {.words = {1}};
+    float *rests = calloc(places->n + 1, sizeof *rests);
+    if (!rests || places->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "bodies that wake: no memory");
+    else if (places->n > 0)
+        domain_unpack_rows(d->motion, RESTS, &whole, places->rows, (uint32_t)places->n, rests, own);
+    domain_await_rows(d->motion, own);
+    free(rests);
+    return is_well(own);
 }
 
 // The places that bodies get which were here before, as far as they still are.
@@ -471,12 +512,15 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     } else if (is_well(own)) {
         fill_bodies(m, d, &r);
         fill_contacts(m, d, &r);
-        domain_replace_bodies(d->motion, r.poses, r.bodies, r.states, (uint32_t)d->bodies.n,
-                              &r.contacts, own);
+        if (domain_replace_bodies(d->motion, &r.bodies, &r.contacts, own))
+            wake(d, &r.waking, own);
     }
-    free(r.poses);
-    free(r.bodies);
-    free(r.states);
+    free(r.bodies.poses);
+    free(r.bodies.bodies);
+    free(r.bodies.from);
+    free(r.bodies.fresh);
+    free(r.bodies.states);
+    free(r.waking.rows);
     domain_contacts_free(&r.contacts);
 }
 

@@ -40,6 +40,8 @@ static void list_bodies(const moving *m, const moving_domain *d, item_list *bodi
     for (uint64_t i = 0; i < d->bodies.n; ++i)
         if (moving_is_own(d, moving_body_at(m, &d->bodies, i)))
             list_add(bodies, moving_body_at(m, &d->bodies, i), 1, m->body_bytes);
+    for (uint64_t i = 0; !bodies->failed && i < bodies->n; ++i)
+        moving_body_at(m, bodies, i)->at = NO_PLACE;
 }
 
 // An end that is far away now, and that of a contact which is none any more, is not here.

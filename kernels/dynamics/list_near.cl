@@ -29,7 +29,7 @@ __kernel void list_near(LIST_NEAR_ARGS)
         uint at = atomic_inc(near);
         if (at >= near_capacity)
             continue;
-        __global uint *row = near + NEAR_WORDS * ((size_t)at + 1);
+        __global uint *row = (__global uint *)near + NEAR_WORDS * ((size_t)at + 1);
         row[0] = id;
         vstore3(as_uint3(lower), 0, row + 1);
         vstore3(as_uint3(upper), 1, row + 1);

@@ -100,9 +100,22 @@ bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, du
 bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err);
 void domain_drop_contacts(duet_motion *m);
 
-// Replaces all bodies, and adds contacts that they had in the last step.
-bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                           const char *states, uint32_t n, const domain_contacts *c,
+// Moves rows of some buffers by object to n places: from [n] are those that they had, or NO_PLACE.
+bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
+                      uint32_t n, duet_error *err);
+
+// Bodies that take the place of others. Those that were there keep their states.
+typedef struct domain_bodies {
+    uint32_t n, n_fresh;
+    duet_pose *poses; // [n + 1], as are bodies: the motion takes this memory
+    duet_body *bodies;
+    uint32_t *from;  // [n + FIXED] the places that they had; NO_PLACE: fresh, or never there
+    uint32_t *fresh; // [n_fresh] places of the fresh ones
+    char *states;    // [n_fresh][domain_state_bytes]
+} domain_bodies;
+
+// Replaces all bodies, and adds contacts that they had in the last step. With commands all are fresh.
+bool domain_replace_bodies(duet_motion *m, domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 
 // Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if

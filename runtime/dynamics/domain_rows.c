@@ -74,8 +74,9 @@ static bool build(duet_motion *m, duet_error *err)
     const kernel_request list[] = {
         {&r->pack_rows, true, "row_parts", "pack_rows", motion_bindings},
         {&r->unpack_rows, true, "row_parts", "unpack_rows", motion_bindings},
+        {&r->move_rows, true, "row_parts", "move_rows", motion_bindings},
     };
-    return (r->pack_rows && r->unpack_rows) ||
+    return (r->pack_rows && r->unpack_rows && r->move_rows) ||
            motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
 }
 
@@ -123,6 +124,32 @@ bool domain_await_rows(duet_motion *m, duet_error *err)
 }
 
 // ---------------------------------------------------------------- rows by body
+
+// The buffer that rows went to takes the place of the other.
+static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
+{
+    const uint32_t words = motion_words(m, which);
+    if (!motion_reserve(m, GATHERED, n, words * sizeof(cl_uint), err))
+        return false;
+    m->reading.rows = m->buffers[which];
+    m->reading.row_words = words;
+    if (!motion_launch(m, stage, m->reading.move_rows, n, err) || !timeline_finish(&m->times, err))
+        return false;
+    buffer_swap(&m->buffers[which], &m->buffers[GATHERED]);
+    return true;
+}
+
+bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
+                      uint32_t n, duet_error *err)
+{
+    bool ok = build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *from, err) &&
+              timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, from,
+                                n * sizeof *from, err);
+    m->reading.n_ids = n;
+    for (int i = 0; ok && i < n_list; ++i)
+        ok = motion_words(m, list[i]) == 0 || move_rows(m, list[i], n, err);
+    return ok;
+}
 
 bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                       const uint32_t *places, uint32_t n, void *packed, duet_error *err)

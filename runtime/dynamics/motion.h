@@ -261,9 +261,16 @@ enum motion_part {
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
                         duet_error *err);
 
+// Fills rows of some objects, one behind the other, with what poses and bodies say of them; what a
+// buffer has besides is left.
+void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                       void *packed);
+
 // Makes space for all n objects, of which the first old_n have it. The state of the others becomes
 // 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
+bool motion_grow_rows(duet_motion *m, motion_buffer which, uint32_t old_n,
+                      duet_error *err); // one buffer's
 
 // Contacts of the manifolds that are right now, as duet_motion_get_contacts.
 bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err);
