@@ -153,8 +153,8 @@ static void take_colours(const moving *m, moving_domain *d, const waiting_contac
     }
 }
 
-// A contact is counted by the domain whose own its owner is: those of others are among what the host
-// looks at.
+// A contact is counted by the domain whose own its owner is: those of others are among what the
+// host looks at.
 static void count(const moving_domain *d, tally *t)
 {
     const contact_solver *s = &d->motion->solver;
@@ -162,7 +162,8 @@ static void count(const moving_domain *d, tally *t)
     for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k)
         colours = s->colours[k].count > 0 ? k + 1 : colours;
     for (uint32_t i = 0; i < d->told.n; ++i)
-        n -= d->told.colours[i] < COLOUR_WAITS && !(d->places[d->told.links[i].s[0]].kind & PLACE_OWN);
+        n -= d->told.colours[i] < COLOUR_WAITS &&
+             !(d->places[d->told.links[i].s[0]].kind & PLACE_OWN);
     t->sums[0] += n;
     t->greatest[0] = t->greatest[0] > (double)colours ? t->greatest[0] : (double)colours;
 }

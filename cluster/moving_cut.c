@@ -43,7 +43,8 @@ uint64_t moving_sampled(uint64_t n)
 }
 
 // Own bodies, evenly over them.
-static void choose_sampled(const moving *m, const moving_domain *d, uint64_t every, row_list *places)
+static void choose_sampled(const moving *m, const moving_domain *d, uint64_t every,
+                           row_list *places)
 {
     uint64_t n = 0;
     for (uint64_t i = 0; i < d->bodies.n; ++i)
@@ -64,8 +65,7 @@ static void sample(const moving *m, const moving_domain *d, item_list *points, d
         domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own);
     for (uint64_t i = 0; is_well(own) && i < places.n; ++i) {
         const uint32_t ends = (uint32_t)__builtin_popcount(used[i]);
-        bisection_point point = {.weight =
-                                     (double)every * work_of(&m->balance.model, 1, ends)};
+        bisection_point point = {.weight = (double)every * work_of(&m->balance.model, 1, ends)};
         moving_centre(m, moving_body_at(m, &d->bodies, places.rows[i]), point.at);
         list_add(points, &point, 1, sizeof point);
     }

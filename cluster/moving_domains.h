@@ -68,10 +68,10 @@ typedef struct moving_domain {
     row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     row_list neighbours;    // domains whose reaches meet its own
     left_list left;         // contacts of two ghosts that are not as at home: ascending
-    domain_contacts told; // contacts of the step that the host looks at, with colours if they are
-                          // solved here
-    row_list border;      // those of them that have a ghost
-    row_list waiting;     // and those that wait for a colour
+    domain_contacts told;   // contacts of the step that the host looks at, with colours if they are
+                            // solved here
+    row_list border;        // those of them that have a ghost
+    row_list waiting;       // and those that wait for a colour
 } moving_domain;
 
 // Whether ranks have equal work.

@@ -287,8 +287,7 @@ static int compare_contacts(const void *left, const void *right)
 static uint64_t count_ascending(const moving *m, const item_list *bodies)
 {
     uint64_t n = bodies->n > 0;
-    while (n < bodies->n &&
-           moving_body_at(m, bodies, n - 1)->id < moving_body_at(m, bodies, n)->id)
+    while (n < bodies->n && moving_body_at(m, bodies, n - 1)->id < moving_body_at(m, bodies, n)->id)
         ++n;
     return n;
 }

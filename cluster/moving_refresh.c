@@ -176,8 +176,8 @@ static uint32_t row_of(const moving *m, const moving_domain *d, const moving_con
         else
             high = middle;
     }
-    bool found = low < d->told.n && d->told.links[low].s[0] == owner &&
-                 d->told.links[low].s[1] == other;
+    bool found =
+        low < d->told.n && d->told.links[low].s[0] == owner && d->told.links[low].s[1] == other;
     return found ? low : UINT32_MAX;
 }
 

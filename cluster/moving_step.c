@@ -40,7 +40,8 @@ void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
               (!moving_touches(m) || domain_read_bounds(d->motion, bounds, own));
     for (uint64_t i = 0; ok && i < n; ++i) {
         moving_body *b = moving_body_at(m, &d->bodies, i);
-        b->at = m->keeps_commands ? NO_PLACE : (uint32_t)i; // commands leave more than the motion has
+        b->at =
+            m->keeps_commands ? NO_PLACE : (uint32_t)i; // commands leave more than the motion has
         b->pose = d->motion->poses[i];
         b->body = d->motion->bodies[i];
         b->acts = (b->body.mass > 0.0f || b->body.sensor) &&

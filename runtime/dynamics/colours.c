@@ -82,7 +82,8 @@ static bool list_colours(duet_motion *m, duet_error *err)
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) && sort_colours(m, err);
+        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) &&
+             sort_colours(m, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);

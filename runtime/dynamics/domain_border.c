@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contacts that a domain's host looks at: the device finds and lists them, so that what the host does
-// goes with what lies at the borders, and not with all contacts.
+// Contacts that a domain's host looks at: the device finds and lists them, so that what the host
+// does goes with what lies at the borders, and not with all contacts.
 #include "base/error.h"
 #include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
@@ -32,8 +32,8 @@ bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *
 {
     const size_t n = (size_t)m->n + FIXED;
     return motion_reserve(m, PLACES_OF, n, sizeof *places, err) &&
-           timeline_write_at(&m->times, stage, &m->buffers[PLACES_OF], 0, places, n * sizeof *places,
-                             err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[PLACES_OF], 0, places,
+                             n * sizeof *places, err) &&
            timeline_finish(&m->times, err);
 }
 
@@ -83,11 +83,11 @@ static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
     border_row *rows = malloc(bytes + 1);
     if (!rows)
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
-    bool ok = rows && reserve(c, err) &&
-              (c->n == 0 ||
-               (motion_reserve(m, BORDER, c->n, sizeof *rows, err) &&
-                motion_launch(m, stage, m->border.list_border, m->graph.n_contacts, err) &&
-                motion_fetch(m, stage, BORDER, 0, rows, bytes, err)));
+    bool ok =
+        rows && reserve(c, err) &&
+        (c->n == 0 || (motion_reserve(m, BORDER, c->n, sizeof *rows, err) &&
+                       motion_launch(m, stage, m->border.list_border, m->graph.n_contacts, err) &&
+                       motion_fetch(m, stage, BORDER, 0, rows, bytes, err)));
     if (ok)
         take(c, rows);
     free(rows);
@@ -97,9 +97,9 @@ static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
 bool domain_list_border(duet_motion *m, domain_contacts *c, duet_error *err)
 {
     *c = (domain_contacts){0};
-    bool ok = (m->n == 0 || m->graph.n_contacts == 0 ||
-               (build(m, err) && count_listed(m, &c->n, err))) &&
-              fetch(m, c, err);
+    bool ok =
+        (m->n == 0 || m->graph.n_contacts == 0 || (build(m, err) && count_listed(m, &c->n, err))) &&
+        fetch(m, c, err);
     if (!ok)
         domain_contacts_free(c);
     return ok;

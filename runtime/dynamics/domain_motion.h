@@ -78,8 +78,8 @@ bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *part
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                         const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 
-// Waits until the device has read what rows were written from: before, places and packed are to stay
-// as they are.
+// Waits until the device has read what rows were written from: before, places and packed are to
+// stay as they are.
 bool domain_await_rows(duet_motion *m, duet_error *err);
 
 // With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
@@ -94,9 +94,9 @@ bool domain_list_touching(duet_motion *m, duet_error *err); // of it
 bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err);
 bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, duet_error *err);
 
-// Lets contacts of the last step stay, but for those that have a shared end: moved [n + FIXED] are the
-// places that bodies get, in the same order, and what never moves. Without it replaced bodies have
-// none of these contacts.
+// Lets contacts of the last step stay, but for those that have a shared end: moved [n + FIXED] are
+// the places that bodies get, in the same order, and what never moves. Without it replaced bodies
+// have none of these contacts.
 bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err);
 void domain_drop_contacts(duet_motion *m);
 
@@ -114,7 +114,8 @@ typedef struct domain_bodies {
     char *states;    // [n_fresh][domain_state_bytes]
 } domain_bodies;
 
-// Replaces all bodies, and adds contacts that they had in the last step. With commands all are fresh.
+// Replaces all bodies, and adds contacts that they had in the last step. With commands all are
+// fresh.
 bool domain_replace_bodies(duet_motion *m, domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 
@@ -156,8 +157,8 @@ typedef struct domain_place {
 } domain_place;
 bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err);
 
-// Lists own bodies whose next bounds leave the first of n extents [6], or meet one of the others, in
-// any order; the caller frees the list.
+// Lists own bodies whose next bounds leave the first of n extents [6], or meet one of the others,
+// in any order; the caller frees the list.
 typedef struct domain_near {
     uint32_t place;
     float bounds[6];
@@ -170,7 +171,7 @@ bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_n
 // Tells of these, of what is solved in order, and of all that have a shared end: rows, links and
 // colours, which the caller frees.
 bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err);
-bool domain_mark_border(duet_motion *m, duet_error *err);                         // of it
+bool domain_mark_border(duet_motion *m, duet_error *err);                        // of it
 bool domain_list_border(duet_motion *m, domain_contacts *told, duet_error *err); // likewise
 
 // Reads the colours that contacts of n places have, a bit for each.

@@ -142,9 +142,9 @@ static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_erro
 bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
                       uint32_t n, duet_error *err)
 {
-    bool ok = build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *from, err) &&
-              timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, from,
-                                n * sizeof *from, err);
+    bool ok =
+        build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *from, err) &&
+        timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, from, n * sizeof *from, err);
     m->reading.n_ids = n;
     for (int i = 0; ok && i < n_list; ++i)
         ok = motion_words(m, list[i]) == 0 || move_rows(m, list[i], n, err);

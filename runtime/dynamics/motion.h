@@ -278,8 +278,8 @@ bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, 
 // Takes bodies apart whose manifolds are deep; *parted: some were, and are elsewhere now.
 bool motion_part_deep(duet_motion *m, bool *parted, duet_error *err);
 
-// Space for so many bytes in a buffer, which keeps the first of them, and waits for nothing if that is
-// none.
+// Space for so many bytes in a buffer, which keeps the first of them, and waits for nothing if that
+// is none.
 bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
