@@ -952,19 +952,19 @@ static duet_cluster *two_domains_after_a_step(MPI_Comm *comm)
     return cluster;
 }
 
-static bool is_within(const float b[6], const float extent[6])
+static bool is_within(const float b[6], const float e[6])
 {
     bool within = true;
     for (int k = 0; k < 3; ++k)
-        within = within && b[k] >= extent[k] && b[k + 3] <= extent[k + 3];
+        within = within && b[k] >= e[k] && b[k + 3] <= e[k + 3];
     return within;
 }
 
-static bool do_meet(const float b[6], const float extent[6])
+static bool do_meet(const float b[6], const float e[6])
 {
     bool meet = true;
     for (int k = 0; k < 3; ++k)
-        meet = meet && b[k] <= extent[k + 3] && b[k + 3] >= extent[k];
+        meet = meet && b[k] <= e[k + 3] && b[k + 3] >= e[k];
     return meet;
 }
 
