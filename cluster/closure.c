@@ -140,7 +140,7 @@ static void leave_wrong(ghost_colours *g)
     uint32_t wanted = g->comes;
     bool is_wrong = false;
     g->comes = 0;
-    for (uint32_t colour = 0; colour < CLOSURE_COLOURS; ++colour) {
+    for (uint32_t colour = 0; lost != 0 && colour < CLOSURE_COLOURS; ++colour) {
         is_wrong = is_wrong || (lost >> colour & 1u);
         if (is_wrong && (wanted >> colour & 1u)) {
             g->comes |= 1u << colour;

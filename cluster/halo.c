@@ -161,10 +161,17 @@ static void move_items(halo_side *s, const moving *m, motion_buffer which, const
     for (uint64_t from = 0, to; is_well(own) && from < c->n; from = to) {
         const uint32_t domain = chosen_at(s, c, from)->domain;
         for (to = from; to < c->n && chosen_at(s, c, to)->domain == domain; ++to)
-            s->places[to - from] = chosen_at(s, c, to)->place;
-        move(m->domains[domain].motion, which, parts, s->places, (uint32_t)(to - from),
+            s->places[to] = chosen_at(s, c, to)->place;
+        move(m->domains[domain].motion, which, parts, s->places + from, (uint32_t)(to - from),
              packed + from * bytes_of(parts), own);
     }
+}
+
+// Devices may still be reading what came before.
+static void await_unpacked(const moving *m, duet_error *own)
+{
+    for (uint32_t k = 0; k < m->parts; ++k)
+        domain_await_rows(m->domains[k].motion, own);
 }
 
 static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out, const chosen *in,
@@ -177,6 +184,7 @@ static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out,
     count(&h->sent, out, m->ranks->n);
     count(&h->received, in, m->ranks->n);
     move_items(&h->sent, m, which, out, parts, domain_pack_rows, own);
+    await_unpacked(m, own);
     parcels_pass(m->ranks, &h->sent.rows, &h->received.rows, h->requests);
     move_items(&h->received, m, which, in, parts, domain_unpack_rows, own);
 }
@@ -223,7 +231,8 @@ bool halo_comes(const halo *h, uint32_t colour)
 
 // ---------------------------------------------------------------- what comes when
 
-// Sends a row of each item, of which there are parcels on both sides.
+// Sends a row of each item, of which there are parcels on both sides; colours were read since rows
+// were unpacked, so no device still reads these.
 static void tell(halo *h, moving *m, halo_side *from, halo_side *to, uint32_t bytes)
 {
     const chosen out = all_of(from), in = all_of(to);
@@ -256,9 +265,8 @@ static uint32_t lost_of(const ghost_colours *c)
 static void list_ghost(halo_side *s, uint64_t i)
 {
     const ghost_colours *c = &s->colours[i];
-    for (uint32_t k = 0; k <= HALO_END; ++k)
-        if (c->comes >> k & 1u)
-            row_list_add(&s->comes_after[k], (uint32_t)i);
+    for (uint32_t left = c->comes; left != 0; left &= left - 1)
+        row_list_add(&s->comes_after[__builtin_ctz(left)], (uint32_t)i);
     if (c->here != 0 && lost_of(c) != 0)
         row_list_add(&s->comes_after[HALO_ANY], (uint32_t)i);
     if (c->here == 0 && c->at_home != 0)

@@ -219,6 +219,8 @@ static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t 
     }
     some.bodies.n = is_well(own) ? n : 0;
     moving_read_bodies(m, &some, own);
+    for (uint32_t i = 0; i < some.bodies.n; ++i)
+        moving_body_at(m, &some.bodies, i)->at = NO_PLACE;
     list_append(&to->bodies, &some.bodies, m->body_bytes);
     free(some.bodies.items);
 }
@@ -326,10 +328,10 @@ void moving_end(moving *m)
         free(m->domains[k].contacts.items);
         free(m->domains[k].used);
         free(m->domains[k].ghost_at);
-        free(m->domains[k].kinds);
+        free(m->domains[k].places);
         free(m->domains[k].left.contacts);
         free(m->domains[k].neighbours.rows);
-        domain_contacts_free(&m->domains[k].solved);
+        domain_contacts_free(&m->domains[k].told);
         free(m->domains[k].border.rows);
         free(m->domains[k].waiting.rows);
         free(m->domains[k].in_order.rows);

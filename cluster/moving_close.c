@@ -27,11 +27,11 @@ bool moving_is_left(const moving_domain *d, uint32_t owner, uint32_t other)
 // Rows ascend, as ids do.
 static void note_left(const moving *m, moving_domain *d, uint32_t row, left_list *now)
 {
-    const uint32_t *ends = d->solved.links[row].s;
+    const uint32_t *ends = d->told.links[row].s;
     const left_contact one = {moving_id(m, d, ends[0]), moving_id(m, d, ends[1])};
-    if (d->solved.colours[row] != COLOUR_NONE || moving_is_left(d, one.owner, one.other))
+    if (d->told.colours[row] != COLOUR_NONE || moving_is_left(d, one.owner, one.other))
         list_add(&now->list, &one, 1, sizeof one);
-    d->solved.colours[row] = COLOUR_NONE;
+    d->told.colours[row] = COLOUR_NONE;
 }
 
 // ---------------------------------------------------------------- near borders
@@ -44,9 +44,9 @@ static uint32_t ghost_of(const moving_domain *d, uint32_t place)
 static void list_border(const moving_domain *d, border_list *border)
 {
     for (uint64_t i = 0; i < d->border.n; ++i) {
-        const uint32_t row = d->border.rows[i], *ends = d->solved.links[row].s;
+        const uint32_t row = d->border.rows[i], *ends = d->told.links[row].s;
         const border_contact one = {.ghosts = {ghost_of(d, ends[0]), ghost_of(d, ends[1])},
-                                    .colour = d->solved.colours[row],
+                                    .colour = d->told.colours[row],
                                     .row = row,
                                     .is_solved = moving_decides_contact(d, ends)};
         if (one.colour <= COLOUR_OVERFLOW)
@@ -63,7 +63,7 @@ static bool has_solved(const ghost_colours *ghosts, uint32_t ghost)
 static void watch(moving *m, const moving_domain *d, uint32_t row)
 {
     ghost_colours *ghosts = m->halo.received.colours;
-    const uint32_t *ends = d->solved.links[row].s;
+    const uint32_t *ends = d->told.links[row].s;
     const uint32_t both[2] = {ghost_of(d, ends[0]), ghost_of(d, ends[1])};
     bool watched = has_solved(ghosts, both[0]) || has_solved(ghosts, both[1]);
     for (int k = 0; watched && k < 2; ++k)
@@ -82,7 +82,7 @@ static void leave_contacts(moving *m, moving_domain *d, const border_contact *li
         bool is_solved = at < n && list[at].row == row && list[at].is_solved;
         at += at < n && list[at].row == row;
         watch(m, d, row);
-        if (!is_solved && !moving_decides_contact(d, d->solved.links[row].s))
+        if (!is_solved && !moving_decides_contact(d, d->told.links[row].s))
             note_left(m, d, row, &now);
     }
     if (now.failed)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Colours over all domains: what begins to push waits, all ranks learn of all that wait, and each
-// gives them the same colours.
+// Colours over all domains: each finds those that its own contacts decide. The others wait, all
+// ranks learn of all that wait, and each gives them the same colours.
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
@@ -12,19 +12,6 @@ typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
-// Whether the contact changes a body that is awake. Sensors push nothing.
-static bool pushes(const moving_domain *d, const domain_contacts *c, uint32_t i,
-                   const cl_uint *asleep)
-{
-    bool is_awake = false, is_sensor = false;
-    for (int k = 0; k < 2; ++k) {
-        uint32_t place = c->links[i].s[k];
-        is_sensor = is_sensor || (d->kinds[place] & PLACE_SENSOR);
-        is_awake = is_awake || ((d->kinds[place] & PLACE_MOVES) && !(asleep[place] & SLEEPS));
-    }
-    return is_awake && !is_sensor && (c->touches[i] & TOUCH_POINTS) > 0;
-}
-
 // Whether a contact that begins to push may be solved here: of two ghosts, only as at home.
 static bool may_wait(const moving *m, const moving_domain *d, const uint32_t ends[2])
 {
@@ -32,39 +19,59 @@ static bool may_wait(const moving *m, const moving_domain *d, const uint32_t end
            (m->every > 1 && !moving_is_left(d, moving_id(m, d, ends[0]), moving_id(m, d, ends[1])));
 }
 
-static void note_used(moving_domain *d, uint32_t row)
+static void note_used(moving_domain *d, uint32_t i)
 {
-    const uint32_t *ends = d->solved.links[row].s;
+    const uint32_t *ends = d->told.links[i].s;
     for (int k = 0; k < 2; ++k)
-        if (d->kinds[ends[k]] & PLACE_MOVES)
-            d->used[ends[k]] |= 1u << d->solved.colours[row];
+        if (d->places[ends[k]].kind & PLACE_MOVES)
+            d->used[ends[k]] |= 1u << d->told.colours[i];
 }
 
-// A contact keeps its colour while it pushes.
-static void mark(const moving *m, moving_domain *d, uint32_t row, const cl_uint *asleep)
+// The device lets all that begins to push wait.
+static void list_told(const moving *m, moving_domain *d)
 {
-    uint32_t *colour = &d->solved.colours[row];
-    if (!pushes(d, &d->solved, row, asleep))
-        *colour = COLOUR_NONE;
-    else if (*colour == COLOUR_NONE && may_wait(m, d, d->solved.links[row].s))
-        *colour = COLOUR_WAITS;
-    if (*colour <= COLOUR_OVERFLOW)
-        note_used(d, row);
-    else if (*colour == COLOUR_WAITS)
-        row_list_add(&d->waiting, row);
-}
-
-static void mark_all(const moving *m, moving_domain *d, const cl_uint *asleep)
-{
-    memset(d->used, 0, d->bodies.n * sizeof *d->used);
     list_clear(&d->border.list);
     list_clear(&d->waiting.list);
-    for (uint32_t row = 0; row < d->solved.n; ++row) {
-        const uint32_t *ends = d->solved.links[row].s;
+    for (uint32_t i = 0; i < d->told.n; ++i) {
+        const uint32_t *ends = d->told.links[i].s;
+        uint32_t *colour = &d->told.colours[i];
         if (moving_is_ghost(d, ends[0]) || moving_is_ghost(d, ends[1]))
-            row_list_add(&d->border, row);
-        mark(m, d, row, asleep);
+            row_list_add(&d->border, i);
+        if (*colour == COLOUR_WAITS && !may_wait(m, d, ends))
+            *colour = COLOUR_NONE;
+        if (*colour == COLOUR_WAITS)
+            row_list_add(&d->waiting, i);
     }
+}
+
+// The bodies whose colours others are told of: those that are ghosts elsewhere, and ends of what
+// waits.
+static void list_used(const moving *m, const moving_domain *d, row_list *places)
+{
+    const halo_item *sent = m->halo.sent.items.items;
+    for (uint64_t i = 0; i < m->halo.sent.items.n; ++i)
+        if (&m->domains[sent[i].domain] == d)
+            row_list_add(places, sent[i].place);
+    for (uint64_t i = 0; i < d->waiting.n; ++i)
+        for (int k = 0; k < 2; ++k) {
+            const uint32_t place = d->told.links[d->waiting.rows[i]].s[k];
+            if (d->places[place].kind & PLACE_MOVES)
+                row_list_add(places, place);
+        }
+}
+
+static void read_used(const moving *m, moving_domain *d, duet_error *own)
+{
+    row_list places = {0};
+    list_used(m, d, &places);
+    uint32_t *used = malloc((places.n + 1) * sizeof *used);
+    if (!used || places.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+    else if (domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own))
+        for (uint64_t i = 0; i < places.n; ++i)
+            d->used[places.rows[i]] = used[i];
+    free(places.rows);
+    free(used);
 }
 
 // The colours that an end has, if all its contacts are here.
@@ -76,10 +83,10 @@ static uint32_t used_of(const moving_domain *d, uint32_t place)
 static void list_waiting(const moving *m, const moving_domain *d, waiting_list *waiting)
 {
     for (uint64_t i = 0; i < d->waiting.n; ++i) {
-        const uint32_t *ends = d->solved.links[d->waiting.rows[i]].s;
+        const uint32_t *ends = d->told.links[d->waiting.rows[i]].s;
         const waiting_contact one = {.owner = moving_id(m, d, ends[0]),
                                      .other = moving_id(m, d, ends[1]),
-                                     .other_moves = (d->kinds[ends[1]] & PLACE_MOVES) != 0,
+                                     .other_moves = (d->places[ends[1]].kind & PLACE_MOVES) != 0,
                                      .owner_used = used_of(d, ends[0]),
                                      .other_used = used_of(d, ends[1])};
         if (moving_decides_contact(d, ends))
@@ -87,19 +94,20 @@ static void list_waiting(const moving *m, const moving_domain *d, waiting_list *
     }
 }
 
+// What waits for other domains after this one has coloured all that it can.
 static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *waiting,
                              duet_error *own)
 {
-    cl_uint *asleep = calloc(d->bodies.n + 1, sizeof *asleep);
-    if (!asleep)
-        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-    else if (domain_read_asleep(d->motion, asleep, own))
-        mark_all(m, d, asleep);
+    domain_contacts_free(&d->told);
+    if (!domain_colour_inner(d->motion, &d->told, own))
+        return;
+    list_told(m, d);
     if (d->border.failed || d->waiting.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+    else
+        read_used(m, d, own);
     if (is_well(own))
         list_waiting(m, d, waiting);
-    free(asleep);
 }
 
 // ---------------------------------------------------------------- all domains
@@ -135,26 +143,29 @@ static void take_colours(const moving *m, moving_domain *d, const waiting_contac
                          uint64_t n)
 {
     for (uint64_t i = 0; i < d->waiting.n; ++i) {
-        const uint32_t row = d->waiting.rows[i], *ends = d->solved.links[row].s;
+        const uint32_t row = d->waiting.rows[i], *ends = d->told.links[row].s;
         uint32_t found =
             colouring_find(waiting, n, moving_id(m, d, ends[0]), moving_id(m, d, ends[1]));
         if (found == COLOUR_NONE)
             continue;
-        d->solved.colours[row] = found;
+        d->told.colours[row] = found;
         note_used(d, row);
     }
 }
 
-// A contact is counted by the domain whose own its owner is.
-static void count(const moving_domain *d, const domain_contacts *c, tally *t)
+// A contact is counted by the domain whose own its owner is: those of others are among what the
+// host looks at.
+static void count(const moving_domain *d, tally *t)
 {
-    for (uint32_t i = 0; i < c->n; ++i) {
-        if (c->colours[i] >= COLOUR_WAITS)
-            continue;
-        t->greatest[0] =
-            c->colours[i] + 1.0 > t->greatest[0] ? c->colours[i] + 1.0 : t->greatest[0];
-        t->sums[0] += d->kinds[c->links[i].s[0]] & PLACE_OWN;
-    }
+    const contact_solver *s = &d->motion->solver;
+    uint64_t n = s->n_pushing, colours = 0;
+    for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k)
+        colours = s->colours[k].count > 0 ? k + 1 : colours;
+    for (uint32_t i = 0; i < d->told.n; ++i)
+        n -= d->told.colours[i] < COLOUR_WAITS &&
+             !(d->places[d->told.links[i].s[0]].kind & PLACE_OWN);
+    t->sums[0] += n;
+    t->greatest[0] = t->greatest[0] > (double)colours ? t->greatest[0] : (double)colours;
 }
 
 // ---------------------------------------------------------------- without a colour
@@ -189,11 +200,11 @@ static bool order_contacts(moving *m, duet_error *own)
     waiting_list list = {0};
     parcels all = {0};
     for (uint32_t k = 0; k < m->parts; ++k)
-        add_in_order(m, &m->domains[k], &m->domains[k].solved, &list);
+        add_in_order(m, &m->domains[k], &m->domains[k].told, &list);
     bool ok = tell_all(m, &list, &all, own);
     m->n_in_order = ok ? colouring_sort(all.rows, all.n) : 0;
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        note_in_order(m, &m->domains[k], &m->domains[k].solved, all.rows, m->n_in_order, own);
+        note_in_order(m, &m->domains[k], &m->domains[k].told, all.rows, m->n_in_order, own);
     free(list.contacts);
     parcels_end(&all);
     return ok;
@@ -222,8 +233,8 @@ static bool give_colours(moving *m, duet_error *own)
     halo_ask(&m->halo, m, own);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         moving_domain *d = &m->domains[k];
-        domain_take_colours(d->motion, d->solved.colours, own);
-        count(d, &d->solved, &t);
+        if (domain_take_colours(d->motion, &d->told, own))
+            count(d, &t);
     }
     return end_colouring(m, &t, own);
 }
@@ -232,12 +243,8 @@ bool moving_colour(moving *m, duet_error *own)
 {
     waiting_list waiting = {0};
     parcels all = {0};
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
-        moving_domain *d = &m->domains[k];
-        domain_contacts_free(&d->solved);
-        if (domain_read_contacts(d->motion, false, &d->solved, own))
-            wait_for_colours(m, d, &waiting, own);
-    }
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        wait_for_colours(m, &m->domains[k], &waiting, own);
     bool ok = tell_all(m, &waiting, &all, own);
     uint64_t n = all.n;
     if (ok && is_well(own))

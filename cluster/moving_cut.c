@@ -42,19 +42,35 @@ uint64_t moving_sampled(uint64_t n)
     return 1 + n / SAMPLE_A_DOMAIN;
 }
 
-// Centres of own bodies, evenly over them; each stands for the work of as many.
-static void sample(const moving *m, const moving_domain *d, item_list *points)
+// Own bodies, evenly over them.
+static void choose_sampled(const moving *m, const moving_domain *d, uint64_t every,
+                           row_list *places)
 {
-    uint64_t every = moving_sampled(d->n_own), n = 0;
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        const double work = work_of(&m->balance.model, 1, moving_ends(d, i));
-        bisection_point point = {.weight = (double)every * work};
-        if (!moving_is_own(d, b) || n++ % every != 0)
-            continue;
-        moving_centre(m, b, point.at);
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < d->bodies.n; ++i)
+        if (moving_is_own(d, moving_body_at(m, &d->bodies, i)) && n++ % every == 0)
+            row_list_add(places, (uint32_t)i);
+}
+
+// Their centres; each stands for the work of as many.
+static void sample(const moving *m, const moving_domain *d, item_list *points, duet_error *own)
+{
+    const uint64_t every = moving_sampled(d->n_own);
+    row_list places = {0};
+    choose_sampled(m, d, every, &places);
+    uint32_t *used = calloc(places.n + 1, sizeof *used);
+    if (!used || places.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
+    else if (moving_pushes(m))
+        domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own);
+    for (uint64_t i = 0; is_well(own) && i < places.n; ++i) {
+        const uint32_t ends = (uint32_t)__builtin_popcount(used[i]);
+        bisection_point point = {.weight = (double)every * work_of(&m->balance.model, 1, ends)};
+        moving_centre(m, moving_body_at(m, &d->bodies, places.rows[i]), point.at);
         list_add(points, &point, 1, sizeof point);
     }
+    free(places.rows);
+    free(used);
 }
 
 // Rank 0 cuts, so that all ranks have the same planes even if their machines round in different
@@ -78,8 +94,8 @@ bool moving_cut_by(moving *m, const item_list *points, duet_error *own)
 bool moving_cut(moving *m, duet_error *own)
 {
     item_list points = {0};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        sample(m, &m->domains[k], &points);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        sample(m, &m->domains[k], &points, own);
     bool ok = moving_cut_by(m, &points, own);
     m->next_cut = m->counts.step + LEAST_STEPS;
     m->balance.lost = 0.0;

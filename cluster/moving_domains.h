@@ -22,6 +22,7 @@
 #include "cluster/moving.h"
 #include "cluster/moving_events.h"
 #include "cluster/work.h"
+#include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
 
 // A body as it travels. Its state (domain_state_bytes) lies behind.
@@ -29,6 +30,7 @@ typedef struct moving_body {
     uint32_t domain;   // that it goes to
     uint32_t own;      // the domain whose own it is
     uint32_t id;       // its place among all bodies
+    uint32_t at;       // its place in the domain's motion when bodies were read; NO_PLACE: it came
     float bounds[6];   // that ghosts are chosen by
     uint32_t acts;     // whether it has contacts with what does not
     uint32_t complete; // whether its own domain has all its contacts: those of what acted since
@@ -54,24 +56,24 @@ typedef struct left_contact {
 
 typedef LIST_OF(left_contact, contacts) left_list;
 
-// Facts of a place, apart from the long rows of bodies; a wall has none.
-enum { PLACE_OWN = 1 << 0, PLACE_MOVES = 1 << 1, PLACE_SENSOR = 1 << 2 };
-
 typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;    // of all ranks' domains
     item_list bodies;   // ascending by id; the motion's, place by place
-    item_list contacts; // ascending; what the next step begins with, until that begins
+    item_list contacts; // ascending; those that travelled and the next step begins with, until that
+                        // begins
     uint32_t n_own;
-    uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here
+    uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here: of
+                            // bodies that others are told of, and of ends of what waits
     uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
-    uint8_t *kinds;         // [bodies + FIXED]
+    domain_place *places;   // [bodies + FIXED], apart from the long rows of bodies
     row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     row_list neighbours;    // domains whose reaches meet its own
     left_list left;         // contacts of two ghosts that are not as at home: ascending
-    domain_contacts solved; // all contacts of the step, with colours if they are solved here
-    row_list border;        // rows of them that have a ghost
-    row_list waiting;       // and of those that wait for a colour
+    domain_contacts told;   // contacts of the step that the host looks at, with colours if they are
+                            // solved here
+    row_list border;        // those of them that have a ghost
+    row_list waiting;       // and those that wait for a colour
 } moving_domain;
 
 // Whether ranks have equal work.
@@ -145,7 +147,7 @@ static inline const moving_body *moving_body_or_wall(const moving *m, const movi
 // Whether the domain owns the body at a place, or wall, and it acts.
 static inline bool moving_decides_at(const moving_domain *d, uint32_t place)
 {
-    const uint8_t kind = d->kinds[place];
+    const uint32_t kind = d->places[place].kind;
     return (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
 }
 
@@ -167,7 +169,7 @@ static inline bool moving_other_tells(const moving *m, const moving_domain *d, u
 // Whether the body at a place moves and is another domain's.
 static inline bool moving_is_ghost(const moving_domain *d, uint32_t place)
 {
-    return (d->kinds[place] & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
+    return (d->places[place].kind & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
 }
 
 // Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
@@ -180,12 +182,6 @@ static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32
 {
     const moving_body *b = moving_body_or_wall(m, d, place);
     return b ? b->id : m->n_all + (place - (uint32_t)d->bodies.n);
-}
-
-// The contacts that push an own body, by their colours in the last step.
-static inline uint32_t moving_ends(const moving_domain *d, uint64_t place)
-{
-    return d->used ? (uint32_t)__builtin_popcount(d->used[place]) : 0;
 }
 
 void moving_centre(const moving *m, const moving_body *b, double at[3]);
@@ -257,8 +253,24 @@ void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_err
 // Makes a motion of all bodies that of a file; not collective.
 bool moving_load(duet_motion *whole, const char *path, duet_error *own);
 
+// Whether all contacts of a domain travel when bodies are exchanged, also those that stay there:
+// where they tell something, or others solve them, too.
+static inline bool moving_sends_all(const moving *m)
+{
+    const uint32_t effects = m->domains[0].motion->effects;
+    return m->every > 1 || (effects & DUET_EFFECT_EVENTS) ||
+           !(effects & DUET_EFFECT_CONTACT_RESPONSE);
+}
+
+// Writes a contact of a domain's motion, and its record behind, to where it has space.
+void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
+                          uint32_t i, moving_contact *row);
+
 // Adds the contacts of a domain's motion, each for the domains that own its ends.
 void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);
+
+// Tells of the places of a domain's motion as its bodies are now.
+void moving_note_places(const moving *m, moving_domain *d, duet_error *own);
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);

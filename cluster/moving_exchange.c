@@ -66,6 +66,17 @@ static item_list *contacts_of(moving_domain *d)
 
 // ---------------------------------------------------------------- own bodies
 
+// Adds a body that comes to a domain.
+static void add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out)
+{
+    list_add(out, b, 1, m->body_bytes);
+    if (out->failed)
+        return;
+    moving_body *last = moving_body_at(m, out, out->n - 1);
+    last->domain = domain;
+    last->at = NO_PLACE;
+}
+
 // Ghosts go, and own bodies that another domain's box holds are sent there.
 static void leave(moving *m, moving_domain *d, item_list *out)
 {
@@ -76,7 +87,7 @@ static void leave(moving *m, moving_domain *d, item_list *out)
             continue;
         b->domain = b->own = moving_domain_of(m, b);
         if (!moving_is_own(d, b))
-            list_add(out, b, 1, m->body_bytes);
+            add_coming(m, b, b->domain, out);
         else
             memmove(moving_body_at(m, &d->bodies, kept++), b, m->body_bytes);
     }
@@ -129,9 +140,7 @@ static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *
     for (uint32_t to = 0; to < m->n_domains; ++to) {
         if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
-        list_add(out, b, 1, m->body_bytes);
-        if (!out->failed)
-            moving_body_at(m, out, out->n - 1)->domain = to;
+        add_coming(m, b, to, out);
         halo_add(&m->halo.sent.items, &(halo_item){.rank = to / m->parts,
                                                    .to = to,
                                                    .from = d->number,
@@ -258,172 +267,51 @@ static bool share_contacts(moving *m, duet_error *own)
     return ok;
 }
 
-// ---------------------------------------------------------------- order
+// ---------------------------------------------------------------- places
 
-static int compare_bodies(const void *left, const void *right)
+// If contacts of two ghosts are solved, too, their colours are told, by who has them as own ones.
+static void mark_places(moving *m, duet_error *own)
 {
-    const moving_body *a = left, *b = right;
-    return a->id < b->id ? -1 : a->id > b->id;
+    const halo_item *sent = m->halo.sent.items.items;
+    for (uint64_t i = 0; m->every > 1 && i < m->halo.sent.items.n; ++i)
+        m->domains[sent[i].domain].places[sent[i].place].kind |= PLACE_SHARED;
+    for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k)
+        domain_mark_places(m->domains[k].motion, m->domains[k].places, own);
 }
 
-static int compare_contacts(const void *left, const void *right)
+static bool reserve_places(moving_domain *d, duet_error *own)
 {
-    const moving_contact *a = left, *b = right;
-    if (a->owner != b->owner)
-        return a->owner < b->owner ? -1 : 1;
-    return a->other < b->other ? -1 : a->other > b->other;
+    domain_place *places = realloc(d->places, (d->bodies.n + FIXED) * sizeof *places);
+    d->places = places ? places : d->places;
+    return places || error_set(own, DUET_STATUS_NO_MEMORY, "the places of %u bodies: no memory",
+                               (uint32_t)d->bodies.n);
 }
 
-// Domains that each had an end of a contact send it to one that has both.
-static void sort_domain(moving *m, moving_domain *d)
+void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
 {
-    item_list *c = &d->contacts;
-    uint64_t kept = 0;
-    if (d->bodies.n > 0)
-        qsort(d->bodies.items, d->bodies.n, m->body_bytes, compare_bodies);
-    if (c->n > 0)
-        qsort(c->items, c->n, m->contact_bytes, compare_contacts);
-    for (uint64_t i = 0; i < c->n; ++i) {
-        const moving_contact *one = moving_contact_at(m, c, i);
-        if (kept == 0 || compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
-            memmove(moving_contact_at(m, c, kept++), one, m->contact_bytes);
-    }
-    c->n = kept;
-}
-
-uint32_t moving_place(const moving *m, const moving_domain *d, uint32_t id)
-{
-    uint32_t low = 0, high = (uint32_t)d->bodies.n;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (moving_body_at(m, &d->bodies, middle)->id < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    bool found = low < d->bodies.n && moving_body_at(m, &d->bodies, low)->id == id;
-    return found ? low : UINT32_MAX;
-}
-
-// ---------------------------------------------------------------- into the motions
-
-typedef struct replacement {
-    duet_pose *poses;
-    duet_body *bodies;
-    char *states;
-    domain_contacts contacts;
-} replacement;
-
-static bool reserve(const moving *m, const moving_domain *d, replacement *r)
-{
-    size_t n = d->bodies.n + 1, contacts = d->contacts.n + 1;
-    r->poses = malloc(n * sizeof *r->poses);
-    r->bodies = malloc(n * sizeof *r->bodies);
-    r->states = malloc(n * (m->body_bytes - sizeof(moving_body)) + 1);
-    r->contacts.links = malloc(contacts * sizeof *r->contacts.links);
-    r->contacts.touches = malloc(contacts * sizeof *r->contacts.touches);
-    r->contacts.colours = malloc(contacts * sizeof *r->contacts.colours);
-    r->contacts.records = malloc(contacts * (m->contact_bytes - sizeof(moving_contact)) + 1);
-    return r->poses && r->bodies && r->states && r->contacts.links && r->contacts.touches &&
-           r->contacts.colours && r->contacts.records;
-}
-
-static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
-{
-    const size_t state = m->body_bytes - sizeof(moving_body);
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        moving_body *b = moving_body_at(m, &d->bodies, i);
-        b->complete = b->acts || m->n_domains == 1;
-        r->poses[i] = b->pose;
-        r->bodies[i] = b->body;
-        memcpy(r->states + i * state, moving_state(b), state);
-    }
-}
-
-// An own sleeper that leant on what is far away now wakes, as in match_contacts.cl.
-static void wake_end(const moving *m, const moving_domain *d, const moving_contact *c,
-                     uint32_t place, replacement *r)
-{
-    const duet_motion *motion = d->motion;
-    const size_t state = m->body_bytes - sizeof(moving_body);
-    uint32_t points = c->touch & TOUCH_POINTS;
-    const float none = 0.0f;
-    bool leant = (motion->effects & DUET_EFFECT_SLEEP) &&
-                 domain_was_pushed(motion, (const float *)(const void *)(c + 1), points);
-    char *rest =
-        !moving_owns(m, d, place) ? NULL : r->states + place * state + domain_rest_at(motion);
-    cl_uint asleep = 0;
-    if (rest)
-        memcpy(&asleep, rest + sizeof none, sizeof asleep);
-    if (leant && rest && (asleep & SLEEPS))
-        memcpy(rest, &none, sizeof none);
-}
-
-// A contact of which an end is not here any more is none: bounds that meet are here.
-static void fill_contacts(const moving *m, const moving_domain *d, replacement *r)
-{
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
-    domain_contacts *to = &r->contacts;
-    to->n = 0;
-    for (uint64_t i = 0; i < d->contacts.n; ++i) {
-        const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        bool fixed = c->other >= m->n_all;
-        uint32_t owner = moving_place(m, d, c->owner);
-        uint32_t other =
-            fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all) : moving_place(m, d, c->other);
-        if (owner == UINT32_MAX || other == UINT32_MAX) {
-            wake_end(m, d, c, owner != UINT32_MAX ? owner : other, r);
-            continue;
-        }
-        to->links[to->n] = (cl_uint2){{owner, other}};
-        to->touches[to->n] = c->touch;
-        to->colours[to->n] = c->colour;
-        memcpy((char *)to->records + to->n++ * record, c + 1, record);
-    }
-}
-
-void moving_replace(moving *m, moving_domain *d, duet_error *own)
-{
-    replacement r = {0};
-    sort_domain(m, d);
-    moving_keep_base(m, d->motion);
-    if (!reserve(m, d, &r)) {
-        error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
-                  (uint32_t)d->bodies.n);
-    } else {
-        fill_bodies(m, d, &r);
-        fill_contacts(m, d, &r);
-        domain_replace_bodies(d->motion, r.poses, r.bodies, r.states, (uint32_t)d->bodies.n,
-                              &r.contacts, own);
-    }
-    free(r.poses);
-    free(r.bodies);
-    free(r.states);
-    domain_contacts_free(&r.contacts);
-}
-
-static void note_kinds(const moving *m, moving_domain *d)
-{
-    memset(d->kinds, 0, d->bodies.n + FIXED);
+    if (!reserve_places(d, own))
+        return;
+    for (uint32_t k = 0; k < FIXED; ++k)
+        d->places[d->bodies.n + k] = (domain_place){.id = m->n_all + k};
     for (uint64_t i = 0; i < d->bodies.n; ++i) {
         const moving_body *b = moving_body_at(m, &d->bodies, i);
-        d->kinds[i] = (uint8_t)((moving_is_own(d, b) ? PLACE_OWN : 0) |
-                                (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
-                                (b->body.sensor ? PLACE_SENSOR : 0));
+        domain_place *p = &d->places[i];
+        *p = (domain_place){b->id, (moving_is_own(d, b) ? PLACE_OWN : 0) |
+                                       (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
+                                       (b->body.sensor ? PLACE_SENSOR : 0)};
+        p->kind |= moving_is_ghost(d, (uint32_t)i) ? PLACE_SHARED : 0;
     }
 }
 
 // All bodies are own ones until ghosts are noted.
-static void reserve_places(moving_domain *d, duet_error *own)
+static void reserve_colours(moving_domain *d, duet_error *own)
 {
-    const size_t n = d->bodies.n + FIXED, bytes = n * sizeof(uint32_t);
+    const size_t bytes = (d->bodies.n + FIXED) * sizeof(uint32_t);
     uint32_t *used = realloc(d->used, bytes), *ghost_at = realloc(d->ghost_at, bytes);
-    uint8_t *kinds = realloc(d->kinds, n);
     d->used = used ? used : d->used;
     d->ghost_at = ghost_at ? ghost_at : d->ghost_at;
-    d->kinds = kinds ? kinds : d->kinds;
     list_clear(&d->left.list);
-    if (used && ghost_at && kinds) {
+    if (used && ghost_at) {
         memset(used, 0, bytes);
         memset(ghost_at, 0xFF, bytes);
     } else {
@@ -439,14 +327,15 @@ bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
              share_contacts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
-        reserve_places(&m->domains[k], own);
+        reserve_colours(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
-        if (is_well(own))
-            note_kinds(m, &m->domains[k]);
+        moving_note_places(m, &m->domains[k], own);
     }
     if (ok)
         moving_note_touching(m, own);
     ok = ok && halo_settle(&m->halo, m, own);
+    if (ok && is_well(own))
+        mark_places(m, own);
     tally t = {.sums = {m->n_ghosts}};
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];

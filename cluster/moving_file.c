@@ -35,19 +35,59 @@ static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, 
                         in, own);
 }
 
-// An end that is far away now, and that of a contact which is none any more, is not here.
-static void list_own(const moving *m, item_list *bodies, item_list *contacts)
+static void list_bodies(const moving *m, const moving_domain *d, item_list *bodies)
 {
-    for (uint32_t k = 0; k < m->parts; ++k) {
-        const moving_domain *d = &m->domains[k];
-        for (uint64_t i = 0; i < d->bodies.n; ++i)
-            if (moving_is_own(d, moving_body_at(m, &d->bodies, i)))
-                list_add(bodies, moving_body_at(m, &d->bodies, i), 1, m->body_bytes);
-        for (uint64_t i = 0; i < d->contacts.n; ++i) {
-            const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-            if (moving_owns(m, d, moving_place(m, d, c->owner)))
-                list_add(contacts, c, 1, m->contact_bytes);
+    for (uint64_t i = 0; i < d->bodies.n; ++i)
+        if (moving_is_own(d, moving_body_at(m, &d->bodies, i)))
+            list_add(bodies, moving_body_at(m, &d->bodies, i), 1, m->body_bytes);
+    for (uint64_t i = 0; !bodies->failed && i < bodies->n; ++i)
+        moving_body_at(m, bodies, i)->at = NO_PLACE;
+}
+
+// An end that is far away now, and that of a contact which is none any more, is not here.
+static void list_travelled(const moving *m, const moving_domain *d, item_list *contacts)
+{
+    for (uint64_t i = 0; i < d->contacts.n; ++i) {
+        const moving_contact *c = moving_contact_at(m, &d->contacts, i);
+        if (moving_owns(m, d, moving_place(m, d, c->owner)))
+            list_add(contacts, c, 1, m->contact_bytes);
+    }
+}
+
+static bool is_kept(const moving_domain *d, const domain_contacts *c, uint32_t i)
+{
+    const uint32_t owner = c->links[i].s[0];
+    return owner != NO_PLACE && (d->places[owner].kind & PLACE_OWN) &&
+           (c->touches[i] & TOUCH_POINTS);
+}
+
+// Those in the motion, of which some have travelled, too.
+static void list_kept(const moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
+{
+    domain_contacts all;
+    moving_contact *row = malloc(m->contact_bytes);
+    if (!row)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that are saved: no memory");
+    if (row && domain_read_contacts(d->motion, true, &all, own)) {
+        for (uint32_t i = 0; i < all.n; ++i) {
+            if (!is_kept(d, &all, i))
+                continue;
+            moving_write_contact(m, d, &all, i, row);
+            list_add(contacts, row, 1, m->contact_bytes);
         }
+        domain_contacts_free(&all);
+    }
+    free(row);
+}
+
+static void list_own(const moving *m, item_list *bodies, item_list *contacts, duet_error *own)
+{
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        const moving_domain *d = &m->domains[k];
+        list_bodies(m, d, bodies);
+        list_travelled(m, d, contacts);
+        if (moving_touches(m) && !moving_sends_all(m))
+            list_kept(m, d, contacts, own);
     }
 }
 
@@ -79,7 +119,7 @@ bool moving_save(moving *m, const char *path, duet_error *own)
     parcels all_bodies = {0}, all_contacts = {0};
     if (!moving_settle(m, own))
         return false;
-    list_own(m, &bodies, &contacts);
+    list_own(m, &bodies, &contacts, own);
     bool ok = gather(m, &bodies, m->body_bytes, &all_bodies, own) &&
               gather(m, &contacts, m->contact_bytes, &all_contacts, own);
     if (ok && is_well(own) && m->ranks->self == 0)

@@ -10,7 +10,7 @@
 // A contact that is sent, or that came.
 typedef struct fresh_contact {
     uint64_t at; // in the order in which they travel
-    uint32_t domain, row, place, colour;
+    uint32_t domain, row, place, colour; // the row is that of what the host was told of
 } fresh_contact;
 
 typedef LIST_OF(fresh_contact, contacts) fresh_list;
@@ -84,7 +84,7 @@ static void find_rows(const moving *m, fresh_list *list)
 {
     sort(list, by_place);
     for (uint32_t k = 0; list->n > 0 && k < m->parts; ++k) {
-        const domain_contacts *c = &m->domains[k].solved;
+        const domain_contacts *c = &m->domains[k].told;
         for (uint32_t i = 0; i < c->n; ++i)
             for (int end = 0; c->colours[i] < CLOSURE_COLOURS && end < 2; ++end)
                 note_row(list, &(fresh_contact){.domain = k,
@@ -120,7 +120,7 @@ static bool begin_batch(const moving *m, const fresh_list *list, uint64_t from, 
         ++n;
     *b = (batch){.list = one, .rows = malloc(n * sizeof *b->rows), .all = {.n = n}};
     for (uint32_t i = 0; b->rows && i < n; ++i)
-        b->rows[i] = one[i].row;
+        b->rows[i] = m->domains[one->domain].told.rows[one[i].row];
     bool ok = domain_contacts_reserve(&b->all, m->domains[one->domain].motion, true, own);
     return (ok && b->rows) ||
            error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
@@ -137,7 +137,7 @@ static void write_out(const moving *m, const batch *b, char *rows)
     const moving_domain *d = &m->domains[b->list->domain];
     for (uint32_t i = 0; i < b->all.n; ++i) {
         char *to = rows + b->list[i].at * m->contact_bytes;
-        const uint32_t *ends = d->solved.links[b->rows[i]].s;
+        const uint32_t *ends = d->told.links[b->list[i].row].s;
         const moving_contact head = {.owner = moving_id(m, d, ends[0]),
                                      .other = moving_id(m, d, ends[1]),
                                      .touch = b->all.touches[i],
@@ -167,17 +167,17 @@ static uint32_t row_of(const moving *m, const moving_domain *d, const moving_con
     const uint32_t n = (uint32_t)d->bodies.n, owner = moving_place(m, d, c->owner);
     const uint32_t other =
         c->other >= m->n_all ? n + (c->other - m->n_all) : moving_place(m, d, c->other);
-    uint32_t low = 0, high = d->solved.n;
+    uint32_t low = 0, high = d->told.n;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        const uint32_t *at = d->solved.links[middle].s;
+        const uint32_t *at = d->told.links[middle].s;
         if (at[0] < owner || (at[0] == owner && at[1] < other))
             low = middle + 1;
         else
             high = middle;
     }
-    bool found = low < d->solved.n && d->solved.links[low].s[0] == owner &&
-                 d->solved.links[low].s[1] == other;
+    bool found =
+        low < d->told.n && d->told.links[low].s[0] == owner && d->told.links[low].s[1] == other;
     return found ? low : UINT32_MAX;
 }
 
@@ -221,7 +221,7 @@ static void forget_left(const moving *m, moving_domain *d, const batch *b)
         const left_contact one = d->left.contacts[i];
         bool came = false;
         for (; at < b->all.n && !came; at += !came) {
-            const uint32_t *ends = d->solved.links[b->rows[at]].s;
+            const uint32_t *ends = d->told.links[b->list[at].row].s;
             uint32_t owner = moving_id(m, d, ends[0]), other = moving_id(m, d, ends[1]);
             came = owner == one.owner && other == one.other;
             if (owner > one.owner || (owner == one.owner && other > one.other))

@@ -5,164 +5,7 @@
 
 #include "base/error.h"
 
-// ---------------------------------------------------------------- what a step made
-
-// Ghosts are chosen by bounds that bodies stay in for about so many steps, so that pairs are
-// searched more often than bodies are exchanged.
-enum { STEPS_WITHIN = 8 };
-
-// Wider by the way of a body that keeps its velocity, and by the mean extent for one that does not.
-static void widen(const moving *m, moving_body *b)
-{
-    const duet_motion *motion = m->domains[0].motion;
-    double velocity[3];
-    moving_velocity(m, b, velocity);
-    for (int k = 0; k < 3; ++k) {
-        double way = STEPS_WITHIN * motion->def.dt * velocity[k];
-        b->bounds[k] -= (float)(motion->extent + greater(0, -way));
-        b->bounds[k + 3] += (float)(motion->extent + greater(0, way));
-    }
-    if (motion->def.dims == 2)
-        b->bounds[2] = b->bounds[5] = 0.0f;
-}
-
-void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
-{
-    const size_t state = m->body_bytes - sizeof(moving_body), n = d->bodies.n;
-    char *states = malloc(n * state + 1);
-    float *bounds = malloc((6 * n + 1) * sizeof *bounds);
-    if (!states || !bounds)
-        error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
-    domain_forget_bounds(d->motion); // others than those that the next step makes
-    bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
-              (!moving_touches(m) || domain_read_bounds(d->motion, bounds, own));
-    for (uint64_t i = 0; ok && i < n; ++i) {
-        moving_body *b = moving_body_at(m, &d->bodies, i);
-        b->pose = d->motion->poses[i];
-        b->body = d->motion->bodies[i];
-        b->acts = (b->body.mass > 0.0f || b->body.sensor) &&
-                  !domain_is_hidden(d->motion, states + i * state);
-        memcpy(moving_state(b), states + i * state, state);
-        if (!moving_touches(m))
-            continue;
-        memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
-        widen(m, b);
-    }
-    free(states);
-    free(bounds);
-}
-
-enum { MOST_RECORD = HEAD_OF(1, 1, 4) + 4 * POINT_FLOATS_OF(1, 1, 3) };
-
-typedef struct contact_row {
-    moving_contact head;
-    float record[MOST_RECORD];
-} contact_row;
-
-// The domain that a contact goes to for an end of it: the next one of an own body that acts, or is
-// the owner, whose domain may tell that the contact ended; and of another's body which commands
-// made act, since its own domain has not seen the contact. UINT32_MAX: none.
-static uint32_t next_of(const moving *m, const moving_domain *d, const moving_body *b,
-                        bool is_owner)
-{
-    bool sends = b && (moving_is_own(d, b) ? b->acts || is_owner : b->acts && !b->complete);
-    return sends ? moving_domain_of(m, b) : UINT32_MAX;
-}
-
-// A contact is right where its owner is own, which acted, or an end whose contacts are all there.
-static bool is_right(const moving *m, const moving_domain *d, const uint32_t ends[2])
-{
-    const moving_body *other = moving_body_or_wall(m, d, ends[1]);
-    return moving_owns(m, d, ends[0]) || (other && moving_is_own(d, other) && other->complete);
-}
-
-// Domains of this rank get it at once.
-static void send_contact(moving *m, moving_contact *row, const uint32_t next[2],
-                         item_list *contacts)
-{
-    row->domain = UINT32_MAX;
-    for (int k = 0; k < 2; ++k) {
-        if (next[k] == UINT32_MAX || next[k] == row->domain)
-            continue;
-        row->domain = next[k];
-        list_add(next[k] / m->parts == (uint32_t)m->ranks->self
-                     ? &m->domains[next[k] % m->parts].contacts
-                     : contacts,
-                 row, 1, m->contact_bytes);
-    }
-}
-
-static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
-                        bool is_told, item_list *contacts)
-{
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
-    const uint32_t *ends = from->links[i].s;
-    if (!is_right(m, d, ends))
-        return;
-    const uint32_t by = ends[moving_other_tells(m, d, ends[0], ends[1])];
-    contact_row row = {.head = {.owner = moving_id(m, d, ends[0]),
-                                .other = moving_id(m, d, ends[1]),
-                                .touch = from->touches[i],
-                                .colour = from->colours[i],
-                                .told_by = is_told ? moving_id(m, d, by) : TOLD_BY_NONE}};
-    memcpy(row.record, (const char *)from->records + i * record, record);
-    const uint32_t next[2] = {next_of(m, d, moving_body_or_wall(m, d, ends[0]), true),
-                              next_of(m, d, moving_body_or_wall(m, d, ends[1]), false)};
-    send_contact(m, &row.head, next, contacts);
-}
-
-// Contacts of which an end is not here are in no motion, and stay until a step ends them: commands
-// may bring it back.
-static void send_parted(moving *m, const moving_domain *d, const item_list *parted,
-                        item_list *contacts)
-{
-    for (uint64_t i = 0; i < parted->n; ++i) {
-        moving_contact *c = moving_contact_at(m, parted, i);
-        const uint32_t owner = moving_place(m, d, c->owner),
-                       other = c->other < m->n_all ? moving_place(m, d, c->other) : 0;
-        if (owner != UINT32_MAX && other != UINT32_MAX)
-            continue;
-        const uint32_t next[2] = {moving_owns(m, d, owner)
-                                      ? next_of(m, d, moving_body_at(m, &d->bodies, owner), true)
-                                      : UINT32_MAX,
-                                  c->other < m->n_all && moving_owns(m, d, other)
-                                      ? next_of(m, d, moving_body_at(m, &d->bodies, other), false)
-                                      : UINT32_MAX};
-        send_contact(m, c, next, contacts);
-    }
-}
-
-// A contact that does not touch has nothing to keep.
-void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
-{
-    domain_contacts all;
-    if (!domain_read_contacts(d->motion, true, &all, own))
-        return;
-    uint8_t *told = malloc(all.n + 1);
-    if (!told)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u contacts: no memory", all.n);
-    else if (domain_note_touching(d->motion, own))
-        domain_read_told(d->motion, told, own);
-    for (uint32_t i = 0; is_well(own) && i < all.n; ++i)
-        if (all.touches[i] & TOUCH_POINTS)
-            add_contact(m, d, &all, i, told[i], contacts);
-    free(told);
-    domain_contacts_free(&all);
-}
-
-// The domains that contacts go to follow from where bodies are, and from the borders.
-static bool read_all(moving *m, const item_list *parted, item_list *contacts, duet_error *own)
-{
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        moving_read_bodies(m, &m->domains[k], own);
-    if (moving_cut_is_due(m) && !moving_cut(m, own))
-        return false;
-    for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k) {
-        moving_read_contacts(m, &m->domains[k], contacts, own);
-        send_parted(m, &m->domains[k], &parted[k], contacts);
-    }
-    return true;
-}
+#include <math.h>
 
 // ---------------------------------------------------------------- stages
 
@@ -345,23 +188,6 @@ static void forget_contacts(moving *m)
     }
 }
 
-bool moving_settle(moving *m, duet_error *own)
-{
-    item_list contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
-    if (!parted)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
-    for (uint32_t k = 0; parted && k < m->parts; ++k) {
-        parted[k] = m->domains[k].contacts;
-        m->domains[k].contacts = (item_list){0};
-    }
-    bool ok = read_all(m, parted, &contacts, own) && moving_exchange(m, &contacts, own);
-    for (uint32_t k = 0; parted && k < m->parts; ++k)
-        free(parted[k].items);
-    free(parted);
-    free(contacts.items);
-    return ok;
-}
-
 bool moving_stays(const moving *m, const moving_domain *d, const extent *old, const extent *now)
 {
     if (extent_within(now, old))
@@ -381,27 +207,59 @@ static extent extent_of_bounds(const moving *m, const float bounds[6])
                     {bounds[3], bounds[4], flat ? 0.0 : bounds[5]}};
 }
 
-static bool stays(const moving *m, const moving_domain *d, uint64_t place, const float bounds[6])
+static bool stays(const moving *m, const moving_domain *d, const domain_near *near)
 {
-    const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, place)->bounds),
-                 now = extent_of_bounds(m, bounds);
+    const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, near->place)->bounds),
+                 now = extent_of_bounds(m, near->bounds);
     return moving_stays(m, d, &old, &now);
+}
+
+// An extent in float, rounded inward or outward, so that what float says of bounds is right; in 2D
+// all lies in it along z.
+static void round_extent(const moving *m, const extent *e, bool inward, float to[6])
+{
+    for (int k = 0; k < 3; ++k) {
+        const double lower = e->lower[k], upper = e->upper[k];
+        to[k] = (float)lower;
+        to[k + 3] = (float)upper;
+        if (inward ? to[k] < lower : to[k] > lower)
+            to[k] = nextafterf(to[k], inward ? INFINITY : -INFINITY);
+        if (inward ? to[k + 3] > upper : to[k + 3] < upper)
+            to[k + 3] = nextafterf(to[k + 3], inward ? -INFINITY : INFINITY);
+    }
+    if (m->def.dims == 2) {
+        to[2] = -INFINITY;
+        to[5] = INFINITY;
+    }
+}
+
+// The device looks for bodies that may have left, which are near borders.
+static bool list_near(const moving *m, const moving_domain *d, domain_near **near, uint32_t *n,
+                      duet_error *own)
+{
+    const uint32_t n_extents = (uint32_t)d->neighbours.n + 1;
+    float(*extents)[6] = malloc(n_extents * sizeof *extents);
+    if (!extents)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
+    round_extent(m, &m->reaches[d->number], true, extents[0]);
+    for (uint32_t i = 1; i < n_extents; ++i)
+        round_extent(m, &m->reaches[d->neighbours.rows[i - 1]], false, extents[i]);
+    bool ok = domain_list_near(d->motion, extents[0], n_extents, near, n, own);
+    free(extents);
+    return ok;
 }
 
 // Whether pairs that the next step searches are all among the domain's bodies.
 static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *own)
 {
-    bool within = true;
+    domain_near *near = NULL;
+    uint32_t n = 0;
     if (domain_is_bounded(d->motion))
         return true;
-    float *bounds = malloc((6 * d->bodies.n + 1) * sizeof *bounds);
-    if (!bounds)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
-    within = domain_read_bounds(d->motion, bounds, own);
-    for (uint64_t i = 0; within && i < d->bodies.n; ++i) {
-        within = !(d->kinds[i] & PLACE_OWN) || stays(m, d, i, bounds + 6 * i);
-    }
-    free(bounds);
+    bool within = list_near(m, d, &near, &n, own);
+    for (uint32_t i = 0; within && i < n; ++i)
+        within = stays(m, d, &near[i]);
+    free(near);
     return within;
 }
 

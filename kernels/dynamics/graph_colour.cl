@@ -15,21 +15,9 @@
 //   colours [n_contacts] COLOUR_NONE: pushes nothing; COLOUR_WAITS: to be coloured
 //   used    [n] a bit for each colour taken
 //   choices [n] the contact that the object points to; NONE: none waits
-#define LAST_COLOUR (COLOUR_OVERFLOW - 1u) // bits of used
-#define NONE 0xffffffffu
-
 typedef struct {
     ARG_FIELDS
 } colouring;
-
-static inline uint rank_of(uint2 link)
-{
-    uint k = link.x * 0x9E3779B9u ^ (link.y + 0x7F4A7C15u) * 0x85EBCA6Bu;
-    k ^= k >> 15;
-    k *= 0x2C1B3C6Du;
-    k ^= k >> 13;
-    return k;
-}
 
 static inline bool is_pushing(const colouring *c, uint i, uint2 link)
 {
@@ -72,19 +60,13 @@ __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
     mark_contacts(&c, first, min(first + PER_ITEM, N_AWAKE_CONTACTS));
 }
 
-static inline void add_contact(uint i, __global const uint2 *links, __global const uint *colours, uint *used, uint *best,
-                           uint *best_rank)
+static inline void add_contact(uint i, __global const uint2 *links, __global const uint *colours, colour_choice *choice)
 {
     uint colour = colours[i];
     if (colour <= LAST_COLOUR)
-        *used |= 1u << colour;
-    if (colour != COLOUR_WAITS)
-        return;
-    uint rank = rank_of(links[i]);
-    if (*best == NONE || rank > *best_rank || (rank == *best_rank && i < *best)) {
-        *best = i;
-        *best_rank = rank;
-    }
+        choice->used |= 1u << colour;
+    if (colour == COLOUR_WAITS)
+        choose_waiting(choice, i, links[i]);
 }
 
 static inline void choose_contacts(const colouring *c, uint first, uint last)
@@ -93,13 +75,13 @@ static inline void choose_contacts(const colouring *c, uint first, uint last)
         uint id = AWAKE_OF(c, j);
         if (c->choices[id] == NONE)
             continue;
-        uint taken = 0, best = NONE, best_rank = 0;
+        colour_choice choice = {0, NONE, 0};
         for (uint i = c->starts[id]; i < c->starts[id + 1]; ++i)
-            add_contact(i, c->links, c->colours, &taken, &best, &best_rank);
+            add_contact(i, c->links, c->colours, &choice);
         for (uint k = c->return_starts[id]; k < c->return_starts[id + 1]; ++k)
-            add_contact(c->returns[k], c->links, c->colours, &taken, &best, &best_rank);
-        c->used[id] = taken;
-        c->choices[id] = best;
+            add_contact(c->returns[k], c->links, c->colours, &choice);
+        c->used[id] = choice.used;
+        c->choices[id] = choice.best;
     }
 }
 

@@ -43,6 +43,10 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
     uint row = NO_ROW, low = 0, end = 0;
     for (uint i = first; i < last; ++i) {
         uint2 link = old_links[i];
+        if (link.x == NO_ROW) { // it went to another domain
+            row = NO_ROW;
+            continue;
+        }
         if (link.x != row) {
             row = link.x;
             end = starts[row + 1];

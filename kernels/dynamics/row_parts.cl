@@ -6,7 +6,8 @@
 //   row_parts word at which the first part begins, and how many words are taken; the same of the second
 //   of_four   words that are taken of every four of a part
 //   ids       [n_ids] places, each once
-//   gathered  [n_ids][words of both parts]
+//   gathered  [n_ids][words of both parts]; or whole rows, for places that bodies get: of the places that they
+//             had, and 0 where NO_PLACE says that they are new
 static inline size_t place_of_word(uint id, uint row_words, uint4 parts, uint of_four, uint k)
 {
     uint at = k < parts.y ? parts.x : parts.z, word = k < parts.y ? k : k - parts.y;
@@ -31,4 +32,14 @@ __kernel void unpack_rows(UNPACK_ROWS_ARGS)
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < words; ++k)
             rows[place_of_word(ids[i], row_words, parts, of_four, k)] = gathered[(size_t)i * words + k];
+}
+
+__kernel void move_rows(MOVE_ROWS_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
+    for (uint i = first; i < last; ++i) {
+        size_t from = (size_t)ids[i] * row_words, to = (size_t)i * row_words;
+        for (uint k = 0; k < row_words; ++k)
+            gathered[to + k] = ids[i] == NO_PLACE ? 0 : rows[from + k];
+    }
 }

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "parts of some bodies' rows together, and back",
-  uses = {},
+  uses = { "dynamics/border.h" },
   params = {
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
@@ -25,6 +25,13 @@ return {
       const uint *ids
       uint n_ids
       const uint *gathered
+    ]],
+    move_rows = [[
+      const uint *rows
+      uint row_words
+      const uint *ids
+      uint n_ids
+      uint *gathered
     ]],
   },
 }

@@ -52,12 +52,13 @@ static bool sort_colours(duet_motion *m, duet_error *err)
     return ok;
 }
 
-static bool run_rounds(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
+static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint32_t to,
+                       duet_error *err)
 {
     const uint32_t n = m->awake.n_bodies;
     bool ok = true;
     for (m->solver.round = from + 1; ok && m->solver.round <= to; ++m->solver.round)
-        ok = motion_launch(m, "graph_colour", m->kernels.graph_colour_choose, n, err) &&
+        ok = motion_launch(m, "graph_colour", choose, n, err) &&
              motion_launch(m, "graph_colour", m->kernels.graph_colour_take, n, err);
     return ok;
 }
@@ -81,7 +82,8 @@ static bool list_colours(duet_motion *m, duet_error *err)
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && run_rounds(m, from, to, err) && sort_colours(m, err);
+        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) &&
+             sort_colours(m, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
@@ -161,12 +163,24 @@ bool motion_make_colours(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- stage by stage
 
-bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err)
+// What more than this domain's contacts decide waits still, after any number of rounds.
+bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err)
 {
-    const uint32_t n = m->graph.n_contacts;
-    if (m->n == 0 || n == 0)
+    const uint32_t rounds = m->border.rounds;
+    if (m->n == 0 || m->graph.n_contacts == 0)
+        return domain_list_border(m, told, err);
+    if (!domain_mark_border(m, err) || !run_rounds(m, m->border.choose_inner, 0, rounds, err) ||
+        !domain_list_border(m, told, err))
+        return false;
+    const uint32_t needed = m->flags[FLAG_ROUNDS];
+    m->border.rounds = needed < rounds ? needed + 1 : rounds + ROUNDS_MORE;
+    return true;
+}
+
+bool domain_take_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
+{
+    if (m->n == 0 || m->graph.n_contacts == 0)
         return list_none(m);
-    return timeline_write_at(&m->times, "graph_colour", &m->buffers[COLOUR_OF], 0, colours,
-                             n * sizeof *colours, err) &&
-           reserve_lists(m, err) && sort_colours(m, err) && use_colours(m, err);
+    return domain_write_colours(m, told, err) && reserve_lists(m, err) && sort_colours(m, err) &&
+           use_colours(m, err);
 }

@@ -13,6 +13,7 @@
 // Contacts by rows: owner and other, which is a place, or n + k of what never moves.
 typedef struct domain_contacts {
     uint32_t n;
+    uint32_t *rows;  // ascending, of those that the host is told of; NULL: all
     cl_uint2 *links; // ascending
     cl_uint *touches, *colours;
     float *records; // [n][layout.record]; NULL: not asked for
@@ -23,6 +24,9 @@ void domain_contacts_free(domain_contacts *c);
 // Memory for c->n contacts of the motion; freed also after a failure.
 bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,
                              duet_error *err);
+
+// Memory for what domain_read_rows reads of contacts that the host was told of.
+bool domain_reserve_rows(domain_contacts *c, const duet_motion *m, duet_error *err);
 
 // Makes a motion without bodies, as a part of one of a def whose substeps are chosen, and of bodies
 // with these facts and this mean least extent.
@@ -54,7 +58,7 @@ size_t domain_rest_at(const duet_motion *m);
 // Whether a contact's record of n points pushed in the last step.
 bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 
-// Reads contacts, which the caller frees.
+// Reads contacts, which the caller frees. A link of NO_PLACE is of none that is here.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
 // Reads c->n contacts of so many rows, all but their links, and writes them.
@@ -74,6 +78,10 @@ bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *part
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                         const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 
+// Waits until the device has read what rows were written from: before, places and packed are to
+// stay as they are.
+bool domain_await_rows(duet_motion *m, duet_error *err);
+
 // With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
 // in a step; and makes that what touches before the next step, which duet_motion_advance takes.
 bool domain_note_touching(duet_motion *m, duet_error *err);
@@ -86,9 +94,29 @@ bool domain_list_touching(duet_motion *m, duet_error *err); // of it
 bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err);
 bool domain_read_hits(duet_motion *m, const duet_hit_event **hits, size_t *n, duet_error *err);
 
-// Replaces all bodies, and the contacts that they had in the last step.
-bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                           const char *states, uint32_t n, const domain_contacts *c,
+// Lets contacts of the last step stay, but for those that have a shared end: moved [n + FIXED] are
+// the places that bodies get, in the same order, and what never moves. Without it replaced bodies
+// have none of these contacts.
+bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err);
+void domain_drop_contacts(duet_motion *m);
+
+// Moves rows of some buffers by object to n places: from [n] are those that they had, or NO_PLACE.
+bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
+                      uint32_t n, duet_error *err);
+
+// Bodies that take the place of others. Those that were there keep their states.
+typedef struct domain_bodies {
+    uint32_t n, n_fresh;
+    duet_pose *poses; // [n + 1], as are bodies: the motion takes this memory
+    duet_body *bodies;
+    uint32_t *from;  // [n + FIXED] the places that they had; NO_PLACE: fresh, or never there
+    uint32_t *fresh; // [n_fresh] places of the fresh ones
+    char *states;    // [n_fresh][domain_state_bytes]
+} domain_bodies;
+
+// Replaces all bodies, and adds contacts that they had in the last step. With commands all are
+// fresh.
+bool domain_replace_bodies(duet_motion *m, domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 
 // Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if
@@ -123,8 +151,36 @@ bool domain_update_sleep(duet_motion *m, duet_error *err);
 bool domain_read_flags(duet_motion *m, duet_error *err);
 bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 
-// The contacts by the colours that each has, [n_contacts], and constraints from them.
-bool domain_take_colours(duet_motion *m, const cl_uint *colours, duet_error *err);
+// Tells of all places and of what never moves, [n + FIXED], until bodies are replaced.
+typedef struct domain_place {
+    uint32_t id, kind; // bits of kernels/dynamics/border.h
+} domain_place;
+bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err);
+
+// Lists own bodies whose next bounds leave the first of n extents [6], or meet one of the others,
+// in any order; the caller frees the list.
+typedef struct domain_near {
+    uint32_t place;
+    float bounds[6];
+    uint32_t spare;
+} domain_near;
+bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_near **list,
+                      uint32_t *n_list, duet_error *err);
+
+// Colours contacts that begin to push, but for those which more than this domain's contacts decide.
+// Tells of these, of what is solved in order, and of all that have a shared end: rows, links and
+// colours, which the caller frees.
+bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err);
+bool domain_mark_border(duet_motion *m, duet_error *err);                        // of it
+bool domain_list_border(duet_motion *m, domain_contacts *told, duet_error *err); // likewise
+
+// Reads the colours that contacts of n places have, a bit for each.
+bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
+                      duet_error *err);
+
+// Takes the colours of those that it told of; then contacts by colour, and constraints from them.
+bool domain_take_colours(duet_motion *m, const domain_contacts *told, duet_error *err);
+bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err); // of it
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
 // A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts

@@ -74,8 +74,9 @@ static bool build(duet_motion *m, duet_error *err)
     const kernel_request list[] = {
         {&r->pack_rows, true, "row_parts", "pack_rows", motion_bindings},
         {&r->unpack_rows, true, "row_parts", "unpack_rows", motion_bindings},
+        {&r->move_rows, true, "row_parts", "move_rows", motion_bindings},
     };
-    return (r->pack_rows && r->unpack_rows) ||
+    return (r->pack_rows && r->unpack_rows && r->move_rows) ||
            motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
 }
 
@@ -105,7 +106,7 @@ static bool pack(duet_motion *m, const some_rows *s, void *packed, duet_error *e
             motion_fetch(m, stage, GATHERED, 0, packed, s->n * packed_bytes(s), err));
 }
 
-// Waits, for packed and places are the caller's and the device may still read them.
+// Does not wait, though packed and places are the caller's (domain_await_rows).
 static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error *err)
 {
     if (m->buffers[s->which].host)
@@ -113,11 +114,42 @@ static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error 
     return s->n == 0 || (prepare(m, s, err) &&
                          timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
                                            s->n * packed_bytes(s), err) &&
-                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err) &&
-                         timeline_finish(&m->times, err));
+                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err));
+}
+
+// Rows of the host's memory are written in place.
+bool domain_await_rows(duet_motion *m, duet_error *err)
+{
+    return m->buffers[CENTRES].host || timeline_finish(&m->times, err);
 }
 
 // ---------------------------------------------------------------- rows by body
+
+// The buffer that rows went to takes the place of the other.
+static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
+{
+    const uint32_t words = motion_words(m, which);
+    if (!motion_reserve(m, GATHERED, n, words * sizeof(cl_uint), err))
+        return false;
+    m->reading.rows = m->buffers[which];
+    m->reading.row_words = words;
+    if (!motion_launch(m, stage, m->reading.move_rows, n, err) || !timeline_finish(&m->times, err))
+        return false;
+    buffer_swap(&m->buffers[which], &m->buffers[GATHERED]);
+    return true;
+}
+
+bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
+                      uint32_t n, duet_error *err)
+{
+    bool ok =
+        build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *from, err) &&
+        timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, from, n * sizeof *from, err);
+    m->reading.n_ids = n;
+    for (int i = 0; ok && i < n_list; ++i)
+        ok = motion_words(m, list[i]) == 0 || move_rows(m, list[i], n, err);
+    return ok;
+}
 
 bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                       const uint32_t *places, uint32_t n, void *packed, duet_error *err)
@@ -154,5 +186,11 @@ bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, 
 bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
                        duet_error *err)
 {
-    return move_contacts(m, rows, c, unpack, err);
+    return move_contacts(m, rows, c, unpack, err) && domain_await_rows(m, err);
+}
+
+bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
+{
+    const some_rows colours = {COLOUR_OF, 1, {.words = {1}}, told->rows, told->n};
+    return unpack(m, &colours, told->colours, err) && domain_await_rows(m, err);
 }

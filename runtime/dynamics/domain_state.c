@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the host reads and replaces of a domain's motion between its stages.
 #include "base/error.h"
+#include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_commands.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
@@ -88,36 +89,12 @@ static bool read_rows(duet_motion *m, motion_buffer which, char *at, duet_error 
     return ok;
 }
 
-static bool write_rows(duet_motion *m, motion_buffer which, const char *at, duet_error *err)
-{
-    size_t row = row_bytes(m, which), all = domain_state_bytes(m);
-    char *rows = rows_of_all(m, which, err);
-    for (uint32_t i = 0; rows && i < m->n; ++i)
-        memcpy(rows + i * row, at + i * all, row);
-    bool ok = rows &&
-              timeline_write_at(&m->times, stage, &m->buffers[which], 0, rows, m->n * row, err) &&
-              timeline_finish(&m->times, err);
-    free(rows);
-    return ok;
-}
-
 bool domain_read_states(duet_motion *m, char *states, duet_error *err)
 {
     bool ok = domain_read_commands(m, left_of(m, states), err);
     for (int i = 0; ok && m->n > 0 && i < N_KEPT; ++i)
         if (row_bytes(m, kept[i]) > 0) {
             ok = read_rows(m, kept[i], states, err);
-            states += row_bytes(m, kept[i]);
-        }
-    return ok;
-}
-
-static bool write_states(duet_motion *m, const char *states, duet_error *err)
-{
-    bool ok = true;
-    for (int i = 0; ok && m->n > 0 && i < N_KEPT; ++i)
-        if (row_bytes(m, kept[i]) > 0) {
-            ok = write_rows(m, kept[i], states, err);
             states += row_bytes(m, kept[i]);
         }
     return ok;
@@ -142,6 +119,7 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
 
 void domain_contacts_free(domain_contacts *c)
 {
+    free(c->rows);
     free(c->links);
     free(c->touches);
     free(c->colours);
@@ -158,6 +136,15 @@ bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with
     c->colours = malloc(n * sizeof *c->colours);
     c->records = malloc(n * record + 1);
     return (c->links && c->touches && c->colours && c->records) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+}
+
+bool domain_reserve_rows(domain_contacts *c, const duet_motion *m, duet_error *err)
+{
+    const size_t n = (size_t)c->n + 1;
+    c->touches = malloc(n * sizeof *c->touches);
+    c->records = malloc(n * m->layout.record * sizeof(float));
+    return (c->touches && c->records) ||
            error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
 }
 
@@ -198,15 +185,42 @@ static bool put(duet_motion *m, motion_buffer which, const void *from, size_t n,
             timeline_write_at(&m->times, stage, &m->buffers[which], 0, from, n * size, err));
 }
 
+// Writes n rows behind those that a buffer has.
+static bool append(duet_motion *m, motion_buffer which, uint32_t first, const void *from, size_t n,
+                   size_t size, duet_error *err)
+{
+    return motion_extend(m, which, first * size, (first + n + 1) * size, err) &&
+           (n == 0 || timeline_write_at(&m->times, stage, &m->buffers[which], first * size, from,
+                                        n * size, err));
+}
+
+void domain_drop_contacts(duet_motion *m)
+{
+    m->graph.n_contacts = 0;
+}
+
+// Those behind others are apart from these, for both ascend by themselves.
+static bool part(duet_motion *m, duet_error *err)
+{
+    static const cl_uint2 none = {{NO_PLACE, NO_PLACE}};
+    return m->graph.n_contacts == 0 ||
+           (append(m, LINKS, m->graph.n_contacts++, &none, 1, sizeof none, err) &&
+            timeline_finish(&m->times, err));
+}
+
 static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error *err)
 {
-    m->graph.n_contacts = c->n;
-    if (c->n > 0)
+    if (!part(m, err))
+        return false;
+    const uint32_t first = m->graph.n_contacts;
+    m->graph.n_contacts += c->n;
+    if (m->graph.n_contacts > 0)
         product_renew(&m->products, PRODUCT_ROWS); // made elsewhere, of no pairs here
-    return put(m, LINKS, c->links, c->n, sizeof *c->links, err) &&
-           put(m, TOUCHES, c->touches, c->n, sizeof *c->touches, err) &&
-           (!responds(m) || put(m, COLOUR_OF, c->colours, c->n, sizeof *c->colours, err)) &&
-           put(m, CONTACTS, c->records, c->n, m->layout.record * sizeof(float), err);
+    return append(m, LINKS, first, c->links, c->n, sizeof *c->links, err) &&
+           append(m, TOUCHES, first, c->touches, c->n, sizeof *c->touches, err) &&
+           (!responds(m) ||
+            append(m, COLOUR_OF, first, c->colours, c->n, sizeof *c->colours, err)) &&
+           append(m, CONTACTS, first, c->records, c->n, m->layout.record * sizeof(float), err);
 }
 
 // ---------------------------------------------------------------- bodies
@@ -249,17 +263,96 @@ bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body
            motion_send_places(m, NULL, n, PART_ALL, err) && timeline_finish(&m->times, err);
 }
 
-bool domain_replace_bodies(duet_motion *m, const duet_pose *poses, const duet_body *bodies,
-                           const char *states, uint32_t n, const domain_contacts *c,
+// ---------------------------------------------------------------- replaced bodies
+
+// What is by object and lasts from step to step; a step makes the rest.
+static const motion_buffer lasting[] = {CENTRES,
+                                        CELLS,
+                                        VELOCITIES,
+                                        ROTATIONS,
+                                        ANGULAR_VELOCITIES,
+                                        INERTIAS,
+                                        HALVES,
+                                        RESTITUTIONS,
+                                        FRICTIONS,
+                                        ROLLING_RESISTANCES,
+                                        SURFACE_VELOCITIES,
+                                        MATERIALS_OF,
+                                        FILTERS,
+                                        SENSORS,
+                                        RESTS,
+                                        ASLEEP};
+
+enum { N_LASTING = sizeof lasting / sizeof lasting[0] };
+
+static bool is_in(motion_buffer which, const motion_buffer *list, int n)
+{
+    for (int i = 0; i < n; ++i)
+        if (list[i] == which)
+            return true;
+    return false;
+}
+
+static bool grow_others(duet_motion *m, duet_error *err)
+{
+    bool ok = true;
+    for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
+        ok = is_in((motion_buffer)which, lasting, N_LASTING) ||
+             motion_grow_rows(m, (motion_buffer)which, 0, err);
+    return ok;
+}
+
+// A row of the state is part of a body's state, and a given row is what its pose and body say.
+static bool write_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b,
+                        duet_error *err)
+{
+    const size_t row = row_bytes(m, which), all = domain_state_bytes(m);
+    const row_parts whole = {.words = {motion_words(m, which)}};
+    char *rows = calloc(b->n_fresh + 1, row);
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n_fresh);
+    if (!is_in(which, kept, N_KEPT))
+        motion_fill_given(m, which, b->fresh, b->n_fresh, rows);
+    else
+        for (uint32_t i = 0; i < b->n_fresh; ++i)
+            memcpy(rows + i * row, b->states + i * all + byte_of(m, which), row);
+    bool ok = domain_unpack_rows(m, which, &whole, b->fresh, b->n_fresh, rows, err) &&
+              domain_await_rows(m, err);
+    free(rows);
+    return ok;
+}
+
+static bool write_all_fresh(duet_motion *m, const domain_bodies *b, duet_error *err)
+{
+    bool ok = true;
+    for (int i = 0; ok && b->n_fresh > 0 && i < N_LASTING; ++i)
+        ok = row_bytes(m, lasting[i]) == 0 || write_fresh(m, lasting[i], b, err);
+    return ok;
+}
+
+static bool own_bodies(duet_motion *m, domain_bodies *b, duet_error *err)
+{
+    free(m->poses);
+    free(m->bodies);
+    m->poses = b->poses;
+    m->bodies = b->bodies;
+    b->poses = NULL;
+    b->bodies = NULL;
+    m->n = b->n;
+    return take_cells(m, b->n) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n);
+}
+
+bool domain_replace_bodies(duet_motion *m, domain_bodies *b, const domain_contacts *c,
                            duet_error *err)
 {
     m->products = products_of_saved(false);
     altered_forget(&m->altered);
     motion_forget_events(&m->told);
-    return take_bodies(m, poses, bodies, n, err) &&
-           domain_take_commands(m, left_of(m, states), err) && motion_grow(m, 0, err) &&
-           motion_send_places(m, NULL, n, PART_ALL, err) &&
-           domain_take_forces(m, left_of(m, states), err) && write_states(m, states, err) &&
+    return own_bodies(m, b, err) && domain_take_commands(m, left_of(m, b->states), err) &&
+           domain_move_rows(m, lasting, N_LASTING, b->from, b->n + FIXED, err) &&
+           grow_others(m, err) && write_all_fresh(m, b, err) &&
+           domain_take_forces(m, left_of(m, b->states), err) &&
            (!(m->effects & DUET_EFFECT_CONTACT) || write_contacts(m, c, err)) &&
            timeline_finish(&m->times, err);
 }

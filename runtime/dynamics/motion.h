@@ -10,6 +10,7 @@
 #include "runtime/bodies/motion_def.h"
 #include "runtime/dynamics/altered.h"
 #include "runtime/dynamics/awake.h"
+#include "runtime/dynamics/border.h"
 #include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/ground.h"
 #include "runtime/dynamics/motion_events.h"
@@ -134,6 +135,7 @@ struct duet_motion {
     awake_lists awake;
     contact_solver solver;
     motion_team team;
+    motion_border border; // a domain's
     motion_events told;
     motion_ground ground;
     motion_halves halves; // motion_step.c
@@ -259,15 +261,26 @@ enum motion_part {
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
                         duet_error *err);
 
+// Fills rows of some objects, one behind the other, with what poses and bodies say of them; what a
+// buffer has besides is left.
+void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                       void *packed);
+
 // Makes space for all n objects, of which the first old_n have it. The state of the others becomes
 // 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
+bool motion_grow_rows(duet_motion *m, motion_buffer which, uint32_t old_n,
+                      duet_error *err); // one buffer's
 
 // Contacts of the manifolds that are right now, as duet_motion_get_contacts.
 bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err);
 
 // Takes bodies apart whose manifolds are deep; *parted: some were, and are elsewhere now.
 bool motion_part_deep(duet_motion *m, bool *parted, duet_error *err);
+
+// Space for so many bytes in a buffer, which keeps the first of them, and waits for nothing if that
+// is none.
+bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err);
 
 // Space for n elements of `size` bytes in a buffer.
 bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);

@@ -64,6 +64,13 @@ BUFFER(PART_COUNTS, "part_counts", "uint *")
 BUFFER(AWAKE, "awake", "uint *")
 BUFFER(AWAKE_CONTACTS, "awake_contacts", "uint *")
 BUFFER(N_LISTED, "n_listed", "uint *")
+// of a domain: its places' ids and kinds, and the contacts that its host is told of
+BUFFER(PLACES_OF, "places", "uint2 *")
+BUFFER(MOVED_TO, "moved", "uint *")
+BUFFER(BORDER_STARTS, "border_starts", "uint *")
+BUFFER(BORDER, "border", "uint4 *")
+BUFFER(EXTENTS, "extents", "float *")
+BUFFER(NEAR, "near", "uint *")
 // while states are read, and as they were read last
 BUFFER(READ_IDS, "ids", "uint *")
 BUFFER(GATHERED, "gathered", "uint *")

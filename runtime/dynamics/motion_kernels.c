@@ -39,6 +39,8 @@ const binding motion_bindings[] = {
     VALUE_OF(reading, n_ids),
     VALUE_OF(reading, row_parts),
     VALUE_OF(reading, of_four),
+    VALUE_OF(border, n_extents),
+    VALUE_OF(border, near_capacity),
     BIND_VALUE(duet_motion, "n", n),
     VALUE_OF(graph, n_contacts),
     BIND_VALUE(duet_motion, "n_keys", awake.n_contacts),

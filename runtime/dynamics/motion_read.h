@@ -12,7 +12,7 @@ typedef struct motion_reading {
     uint32_t n;
     uint32_t *ids; // [n] that moved
     duet_state *states;
-    kernel *pack_rows, *unpack_rows; // likewise, a domain's (domain_rows.c)
+    kernel *pack_rows, *unpack_rows, *move_rows; // likewise, a domain's (domain_rows.c)
     // other arguments of a launch
     buffer rows, last_rows; // a state's, by object
     cl_uint row_words, n_ids;

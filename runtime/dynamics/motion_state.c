@@ -93,32 +93,39 @@ static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t by
            error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, bytes);
 }
 
-// A buffer of more rows that keeps what it has, and waits for nothing if that is nothing; new
-// rows are 0.
+bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err)
+{
+    buffer *b = &m->buffers[which], fresh = {0};
+    if (b->bytes >= bytes)
+        return true;
+    bool ok = buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err) &&
+              (kept == 0 || copy(m, b, &fresh, kept, err));
+    if (ok)
+        buffer_swap(b, &fresh);
+    buffer_release(&fresh);
+    return ok;
+}
+
+// New rows are 0.
 static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
 {
     size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
-    size_t kept = old_n * row, bytes = ((size_t)m->n + FIXED) * row;
-    buffer *b = &m->buffers[which];
-    if (b->bytes < bytes) {
-        buffer fresh = {0};
-        bool ok = buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err) &&
-                  (kept == 0 || copy(m, b, &fresh, kept, err));
-        if (ok)
-            buffer_swap(b, &fresh);
-        buffer_release(&fresh);
-        if (!ok)
-            return false;
-    }
-    return timeline_fill(&m->times, "clear", b, 0, old_n * words, bytes / sizeof(uint32_t), err);
+    size_t bytes = ((size_t)m->n + FIXED) * row;
+    return motion_extend(m, which, old_n * row, bytes, err) &&
+           timeline_fill(&m->times, "clear", &m->buffers[which], 0, old_n * words,
+                         bytes / sizeof(uint32_t), err);
+}
+
+bool motion_grow_rows(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
+{
+    return motion_words(m, which) == 0 || grow(m, which, old_n, err);
 }
 
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
 {
     bool ok = true;
     for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
-        if (motion_words(m, (motion_buffer)which) > 0)
-            ok = grow(m, (motion_buffer)which, old_n, err);
+        ok = motion_grow_rows(m, (motion_buffer)which, old_n, err);
     return ok;
 }
 
@@ -366,6 +373,23 @@ static const struct {
     {SENSORS, sensor_of, PART_SENSOR, 0, 1, false},
 };
 
+// Writes what a buffer has of an object, up to a number of its entry, to a row.
+static void put_entry(const duet_motion *m, size_t what, uint32_t place, uint32_t to,
+                      const motion_rows *rows, uint32_t row)
+{
+    const entry e = sent[what].of(m, place);
+    for (uint32_t k = sent[what].from; k < to; ++k)
+        if (sent[what].whole)
+            ((uint32_t *)motion_row(rows, row))[k] = (uint32_t)(int64_t)e.at[k];
+        else
+            motion_row_set(rows, row, k, e.at[k]);
+}
+
+static uint32_t numbers_of(const motion_rows *rows)
+{
+    return (uint32_t)(rows->row / (rows->doubles ? sizeof(double) : sizeof(float)));
+}
+
 // Sends all objects if places is NULL: their rows are then written whole.
 static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what, duet_error *err)
 {
@@ -374,18 +398,22 @@ static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what
     if (!(places ? motion_rows_at(m, which, places, n, &rows, err)
                  : open_rows(m, &rows, true, err)))
         return false;
-    uint32_t numbers = (uint32_t)(rows.row / (rows.doubles ? sizeof(double) : sizeof(float)));
-    uint32_t to = places ? sent[what].to : numbers;
+    uint32_t to = places ? sent[what].to : numbers_of(&rows);
     for (uint32_t i = 0; i < n; ++i) {
         uint32_t place = places ? places[i] : i;
-        entry e = sent[what].of(m, place);
-        for (uint32_t k = sent[what].from; k < to; ++k)
-            if (sent[what].whole)
-                ((uint32_t *)motion_row(&rows, place))[k] = (uint32_t)(int64_t)e.at[k];
-            else
-                motion_row_set(&rows, place, k, e.at[k]);
+        put_entry(m, what, place, to, &rows, place);
     }
     return motion_rows_close(m, &rows, err);
+}
+
+void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                       void *packed)
+{
+    motion_rows rows = rows_of(m, which, 0, n);
+    rows.bytes = packed;
+    for (size_t what = 0; what < sizeof sent / sizeof sent[0]; ++what)
+        for (uint32_t i = 0; sent[what].which == which && sent[what].from == 0 && i < n; ++i)
+            put_entry(m, what, places[i], numbers_of(&rows), &rows, i);
 }
 
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,

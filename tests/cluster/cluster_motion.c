@@ -839,6 +839,96 @@ static void parts_of_rows_come_and_go(void)
     duet_cluster_destroy(cluster);
 }
 
+// ---------------------------------------------------------------- what a domain's device lists
+
+static duet_cluster *two_domains_after_a_step(MPI_Comm *comm)
+{
+    const duet_setting settings[] = {{"n", "300"}};
+    const duet_cluster_def def = def_of(comm, 2, 1);
+    duet_cluster *cluster = must(duet_cluster_create(&def, ERR));
+    must(duet_cluster_begin_motion(cluster, "falling", settings, 1, NULL, ERR));
+    duet_cluster_motion_result result;
+    must(duet_cluster_advance(cluster, &result, ERR));
+    return cluster;
+}
+
+static bool is_within(const float b[6], const float e[6])
+{
+    bool within = true;
+    for (int k = 0; k < 3; ++k)
+        within = within && b[k] >= e[k] && b[k + 3] <= e[k + 3];
+    return within;
+}
+
+static bool do_meet(const float b[6], const float e[6])
+{
+    bool meet = true;
+    for (int k = 0; k < 3; ++k)
+        meet = meet && b[k] <= e[k + 3] && b[k + 3] >= e[k];
+    return meet;
+}
+
+// Its own bodies that leave the first extent or meet another, each once and with its bounds.
+static void bodies_near_extents_are_listed(void)
+{
+    static const float extents[][6] = {{-1, -1, -1, 6, 6, 6}, {0, 0, 0, 2, 2, 3}};
+    MPI_Comm comm = MPI_COMM_SELF;
+    duet_cluster *cluster = two_domains_after_a_step(&comm);
+    const moving_domain *d = &cluster->moving->domains[1];
+    domain_near *near;
+    uint32_t n, expected = 0;
+    float *bounds = malloc(6 * d->bodies.n * sizeof *bounds);
+    bool *told = calloc(d->bodies.n, sizeof *told);
+    MUST(bounds && told, "memory");
+    must(domain_list_near(d->motion, extents[0], 2, &near, &n, ERR));
+    must(domain_read_bounds(d->motion, bounds, ERR));
+    for (uint32_t i = 0; i < n; ++i) {
+        MUST(near[i].place < d->bodies.n && !told[near[i].place], "a body is listed once");
+        told[near[i].place] = true;
+        MUST(memcmp(near[i].bounds, bounds + 6 * near[i].place, sizeof near[i].bounds) == 0,
+             "with its bounds");
+    }
+    for (uint32_t i = 0; i < d->bodies.n; ++i) {
+        const float *b = bounds + 6 * i;
+        bool is_near = (d->places[i].kind & PLACE_OWN) &&
+                       (!is_within(b, extents[0]) || do_meet(b, extents[1]));
+        MUST(told[i] == is_near, "own bodies near extents");
+        expected += is_near;
+    }
+    MUST(n == expected && n > 0 && n < d->n_own, "some are near");
+    free(near);
+    free(bounds);
+    free(told);
+    duet_cluster_destroy(cluster);
+}
+
+// Rows go where their bodies go, and those of bodies that were not there are 0.
+static void rows_move_with_their_bodies(void)
+{
+    enum { WORDS = 4, MOST = 300 };
+    static const motion_buffer list[] = {VELOCITIES};
+    MPI_Comm comm = MPI_COMM_SELF;
+    duet_cluster *cluster = two_domains_after_a_step(&comm);
+    duet_motion *m = cluster->moving->domains[0].motion;
+    const uint32_t n = m->n + FIXED;
+    const row_parts whole = {.words = {WORDS}};
+    uint32_t places[MOST], from[MOST + FIXED], before[MOST * WORDS], after[MOST * WORDS];
+    MUST(m->n <= MOST && m->n > 20 && motion_words(m, VELOCITIES) == WORDS, "rows of four words");
+    for (uint32_t i = 0; i < n; ++i)
+        from[i] = i % 3 == 0 || i >= m->n ? NO_PLACE : m->n - 1 - i;
+    for (uint32_t i = 0; i < m->n; ++i)
+        places[i] = i;
+    must(domain_pack_rows(m, VELOCITIES, &whole, places, m->n, before, ERR));
+    must(domain_move_rows(m, list, 1, from, n, ERR));
+    must(domain_pack_rows(m, VELOCITIES, &whole, places, m->n, after, ERR));
+    for (uint32_t i = 0; i < m->n; ++i)
+        for (uint32_t k = 0; k < WORDS; ++k) {
+            const uint32_t row = from[i] == NO_PLACE ? 0 : before[from[i] * WORDS + k];
+            MUST(after[i * WORDS + k] == row, "a row moves with its body");
+        }
+    duet_cluster_destroy(cluster);
+}
+
 // ---------------------------------------------------------------- work
 
 // Times are made of what bodies and ends cost, and these are found in them; of ranks that all have
@@ -872,6 +962,8 @@ int main(int argc, char **argv)
         closures_leave_nothing_wrong(seed);
         times_tell_what_contacts_cost(seed);
         parts_of_rows_come_and_go();
+        bodies_near_extents_are_listed();
+        rows_move_with_their_bodies();
     }
     what_is_not_there_is_refused();
     checkpoints_know_no_ranks();

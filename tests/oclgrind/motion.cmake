@@ -56,19 +56,22 @@ foreach(case ${cases_${DIMS}}
   endif()
 endforeach()
 
-# Two domains send each other rows, if this build has duet cluster. Ranks first ask for where a
+# Two domains send each other rows, and bodies at each checkpoint, if this build has duet cluster. Ranks first ask for where a
 # device is, by properties that Oclgrind reports as wrong calls.
 if(CLUSTER)
   set(checks $ENV{OCLGRIND_CHECK_API})
   unset(ENV{OCLGRIND_CHECK_API})
-  state_by(cluster "--set dims=${DIMS} --parts 2" 3 oclgrind:0 simulated)
+  state_by(cluster "--set dims=${DIMS} --parts 2 --every 1 --checkpoint ${FOLDER}/two.ck" 3 oclgrind:0 simulated)
   set(ENV{OCLGRIND_CHECK_API} ${checks})
   state_of("--set dims=${DIMS}" 3 pocl:0 right)
   if(NOT simulated STREQUAL right)
     message(FATAL_ERROR "two domains: the state is ${simulated}, not ${right}")
   endif()
 else()
-  list(APPEND launched "kernel 'pack_rows'" "kernel 'unpack_rows'")
+  foreach(name IN ITEMS pack_rows unpack_rows move_rows mark_border choose_inner count_border list_border used_colours
+      list_near keep_contacts)
+    list(APPEND launched "kernel '${name}'")
+  endforeach()
 endif()
 
 # Reads and contact queries, which no run of a scene makes.

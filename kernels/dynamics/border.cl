@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Contacts of a domain that is one of many: its host looks at those that have a shared end, and at those
+// that wait for a colour which more than this domain's contacts decide.
+//
+// Invariant: choices of shared bodies are NONE, so that graph_colour_take takes none of their contacts, and
+// none of lesser rank beside these: what it takes has the colour that all domains together would find.
+//
+//   mark_border   contacts that begin to push wait, as in graph_colour_mark
+//   choose_inner  as graph_colour_choose; ranks come from ids, which here are no places
+//   count_border  1 for each contact that the host is told of
+//   list_border   which these are
+//   used_colours  of some bodies: a bit for each colour that their contacts have
+//
+//   places        [n + FIXED] id, and bits of border.h
+//   border_starts [n_contacts + 1]
+//   border        row, owner, other and colour of each that is told; rows ascend
+static inline bool is_awake(uint kind, uint asleep)
+{
+    return (kind & PLACE_MOVES) && !(asleep & SLEEPS);
+}
+
+#if SLEEP
+#define IS_AWAKE(place) is_awake(places[place].y, asleep[place])
+#else
+#define IS_AWAKE(place) is_awake(places[place].y, 0)
+#endif
+
+__kernel void mark_border(MARK_BORDER_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_contacts), waiting = 0;
+    for (uint i = first; i < last; ++i) {
+        uint2 link = links[i], kind = (uint2)(places[link.x].y, places[link.y].y);
+        uint old = colours[i];
+        bool pushes = (touches[i] & TOUCH_POINTS) && !((kind.x | kind.y) & PLACE_SENSOR) &&
+                      (IS_AWAKE(link.x) || IS_AWAKE(link.y));
+        uint colour = !pushes ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
+        colours[i] = colour;
+        if (colour != COLOUR_WAITS)
+            continue;
+        ++waiting;
+        if (!(kind.x & PLACE_SHARED))
+            atomic_xchg(choices + link.x, i);
+        if ((kind.y & (PLACE_MOVES | PLACE_SHARED)) == PLACE_MOVES)
+            atomic_xchg(choices + link.y, i);
+    }
+    if (waiting)
+        atomic_add(flags + FLAG_UNCOLOURED, waiting);
+}
+
+static inline void add_contact(uint i, __global const uint2 *links, __global const uint *colours,
+                               __global const uint2 *places, colour_choice *choice)
+{
+    uint colour = colours[i];
+    if (colour <= LAST_COLOUR)
+        choice->used |= 1u << colour;
+    if (colour == COLOUR_WAITS)
+        choose_waiting(choice, i, (uint2)(places[links[i].x].x, places[links[i].y].x));
+}
+
+__kernel void choose_inner(CHOOSE_INNER_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n);
+    for (uint id = first; id < last; ++id) {
+        colour_choice choice = {0, NONE, 0};
+        if (choices[id] == NONE)
+            continue;
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            add_contact(i, links, colours, places, &choice);
+        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
+            add_contact(returns[k], links, colours, places, &choice);
+        used[id] = choice.used;
+        choices[id] = choice.best;
+    }
+}
+
+__kernel void count_border(COUNT_BORDER_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_contacts + 1);
+    for (uint i = first; i < last; ++i) {
+        bool told = false;
+        uint2 link = i < n_contacts ? links[i] : (uint2)(NO_PLACE);
+        if (link.x != NO_PLACE) {
+            told = colours[i] == COLOUR_WAITS || colours[i] == COLOUR_OVERFLOW ||
+                   ((places[link.x].y | places[link.y].y) & PLACE_SHARED);
+        }
+        border_starts[i] = told ? 1 : 0;
+    }
+}
+
+__kernel void list_border(LIST_BORDER_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_contacts);
+    for (uint i = first; i < last; ++i)
+        if (border_starts[i] != border_starts[i + 1])
+            border[border_starts[i]] = (uint4)(i, links[i].x, links[i].y, colours[i]);
+}
+
+static inline uint bit_of(uint colour)
+{
+    return colour <= COLOUR_OVERFLOW ? 1u << colour : 0;
+}
+
+__kernel void used_colours(USED_COLOURS_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
+    for (uint k = first; k < last; ++k) {
+        uint id = ids[k], used = 0;
+        for (uint i = starts[id]; i < starts[id + 1]; ++i)
+            used |= bit_of(colours[i]);
+        for (uint i = return_starts[id]; i < return_starts[id + 1]; ++i)
+            used |= bit_of(colours[returns[i]]);
+        gathered[k] = used;
+    }
+}

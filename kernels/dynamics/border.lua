@@ -1,0 +1,52 @@
+-- SPDX-License-Identifier: MIT
+return {
+  about = "contacts near the borders of a domain that is one of many",
+  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/colour_choice.clh" },
+  params = { common.SLEEP, common.GROUP(64), common.ROWS_AN_ITEM },
+  args = {
+    mark_border = [[
+      const uint2 *links
+      const uint *touches
+      uint n_contacts
+      const uint2 *places
+      const uint *asleep  if SLEEP == 1
+      uint *colours
+      volatile uint *choices
+      volatile uint *flags
+    ]],
+    choose_inner = [[
+      const uint2 *links
+      const uint *colours
+      const uint2 *places
+      const uint *starts
+      const uint *return_starts
+      const uint *returns
+      uint n
+      uint *used
+      volatile uint *choices
+    ]],
+    count_border = [[
+      const uint2 *links
+      uint n_contacts
+      const uint2 *places
+      const uint *colours
+      uint *border_starts
+    ]],
+    list_border = [[
+      const uint2 *links
+      uint n_contacts
+      const uint *colours
+      const uint *border_starts
+      uint4 *border
+    ]],
+    used_colours = [[
+      const uint *ids
+      uint n_ids
+      const uint *starts
+      const uint *return_starts
+      const uint *returns
+      const uint *colours
+      uint *gathered
+    ]],
+  },
+}

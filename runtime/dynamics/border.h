@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// What a domain's host looks at of its bodies and contacts (domain_border.c,
+// kernels/dynamics/border.cl).
+#ifndef RUNTIME_BORDER_H
+#define RUNTIME_BORDER_H
+
+#include "runtime/opencl/program.h"
+
+typedef struct motion_border {
+    // NULL until a domain asks
+    kernel *mark_border, *choose_inner, *count_border, *list_border, *used_colours, *list_near,
+        *keep_contacts;
+    uint32_t rounds; // of colouring, that a step is sent without a look at whether more would help
+    // what a launch is told besides
+    cl_uint n_extents, near_capacity;
+} motion_border;
+
+#endif

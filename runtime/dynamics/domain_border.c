@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// Contacts that a domain's host looks at: the device finds and lists them, so that what the host
+// does goes with what lies at the borders, and not with all contacts.
+#include "base/error.h"
+#include "kernels/dynamics/border.h"
+#include "runtime/dynamics/domain_motion.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char stage[] = "domain";
+
+// A row of the device's list.
+typedef struct border_row {
+    cl_uint row, owner, other, colour;
+} border_row;
+
+static bool build(duet_motion *m, duet_error *err)
+{
+    motion_border *b = &m->border;
+    const kernel_request list[] = {
+        {&b->mark_border, true, "border", "mark_border", motion_bindings},
+        {&b->choose_inner, true, "border", "choose_inner", motion_bindings},
+        {&b->count_border, true, "border", "count_border", motion_bindings},
+        {&b->list_border, true, "border", "list_border", motion_bindings},
+        {&b->used_colours, true, "border", "used_colours", motion_bindings},
+    };
+    return b->used_colours || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
+}
+
+bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err)
+{
+    const size_t n = (size_t)m->n + FIXED;
+    return motion_reserve(m, PLACES_OF, n, sizeof *places, err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[PLACES_OF], 0, places,
+                             n * sizeof *places, err) &&
+           timeline_finish(&m->times, err);
+}
+
+// No body has chosen a contact.
+static bool clear_choices(duet_motion *m, duet_error *err)
+{
+    return timeline_fill(&m->times, stage, &m->buffers[CHOICES], UINT32_MAX, 0, m->n, err);
+}
+
+// ---------------------------------------------------------------- the list
+
+// Reads how many the list has, and the flags.
+static bool count_listed(duet_motion *m, cl_uint *n, duet_error *err)
+{
+    const uint32_t all = m->graph.n_contacts;
+    buffer *starts = &m->buffers[BORDER_STARTS];
+    return motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
+           motion_launch(m, stage, m->border.count_border, (uint64_t)all + 1, err) &&
+           scan_run(&m->graph.scan, &m->times, stage, starts, starts, all + 1, err) &&
+           timeline_start_read(&m->times, "flags", &m->buffers[FLAG_WORDS], 0, m->flags,
+                               sizeof m->flags, err) &&
+           motion_fetch(m, stage, BORDER_STARTS, all * sizeof *n, n, sizeof *n, err);
+}
+
+static bool reserve(domain_contacts *c, duet_error *err)
+{
+    const size_t n = (size_t)c->n + 1;
+    c->rows = malloc(n * sizeof *c->rows);
+    c->links = malloc(n * sizeof *c->links);
+    c->colours = malloc(n * sizeof *c->colours);
+    return (c->rows && c->links && c->colours) ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+}
+
+static void take(domain_contacts *c, const border_row *rows)
+{
+    for (uint32_t i = 0; i < c->n; ++i) {
+        c->rows[i] = rows[i].row;
+        c->links[i] = (cl_uint2){{rows[i].owner, rows[i].other}};
+        c->colours[i] = rows[i].colour;
+    }
+}
+
+static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
+{
+    const size_t bytes = c->n * sizeof(border_row);
+    border_row *rows = malloc(bytes + 1);
+    if (!rows)
+        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+    bool ok =
+        rows && reserve(c, err) &&
+        (c->n == 0 || (motion_reserve(m, BORDER, c->n, sizeof *rows, err) &&
+                       motion_launch(m, stage, m->border.list_border, m->graph.n_contacts, err) &&
+                       motion_fetch(m, stage, BORDER, 0, rows, bytes, err)));
+    if (ok)
+        take(c, rows);
+    free(rows);
+    return ok;
+}
+
+bool domain_list_border(duet_motion *m, domain_contacts *c, duet_error *err)
+{
+    *c = (domain_contacts){0};
+    bool ok =
+        (m->n == 0 || m->graph.n_contacts == 0 || (build(m, err) && count_listed(m, &c->n, err))) &&
+        fetch(m, c, err);
+    if (!ok)
+        domain_contacts_free(c);
+    return ok;
+}
+
+// ---------------------------------------------------------------- colours
+
+bool domain_mark_border(duet_motion *m, duet_error *err)
+{
+    return m->n == 0 || m->graph.n_contacts == 0 ||
+           (build(m, err) && clear_choices(m, err) &&
+            motion_launch(m, stage, m->border.mark_border, m->graph.n_contacts, err));
+}
+
+// Bodies whose rows were not made since they came have none.
+bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
+                      duet_error *err)
+{
+    const size_t bytes = n * sizeof *places;
+    memset(used, 0, bytes);
+    if (n == 0 || m->graph.n_contacts == 0 || !product_is_right(&m->products, PRODUCT_ROWS))
+        return true;
+    m->reading.n_ids = n;
+    return build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *places, err) &&
+           motion_reserve(m, GATHERED, n, sizeof *used, err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, places, bytes, err) &&
+           motion_launch(m, stage, m->border.used_colours, n, err) &&
+           motion_fetch(m, stage, GATHERED, 0, used, bytes, err);
+}
+
+// ---------------------------------------------------------------- contacts that stay
+
+bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err)
+{
+    const size_t n = (size_t)m->n + FIXED;
+    const kernel_request list[] = {
+        {&m->border.keep_contacts, true, "keep_contacts", "keep_contacts", motion_bindings},
+    };
+    return (m->border.keep_contacts || motion_build_kernels(m, list, 1, false, err)) &&
+           motion_reserve(m, MOVED_TO, n, sizeof *moved, err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[MOVED_TO], 0, moved, n * sizeof *moved,
+                             err) &&
+           motion_launch(m, stage, m->border.keep_contacts, m->graph.n_contacts, err) &&
+           timeline_finish(&m->times, err);
+}
