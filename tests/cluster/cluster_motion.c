@@ -804,15 +804,21 @@ static void vectors_leave_out_their_fourth(duet_motion *m)
         MUST(in_place[k] == all[at[k]] && packed[k] == all[at[k]], "three of every four");
 }
 
+static duet_cluster *two_domains_after_a_step(const char *n)
+{
+    const moving_scene s = {"falling", {{"n", n}}, 1, 0, 0, 0};
+    duet_cluster *cluster = begin_on(ALONE, def_of(2, 1), &s);
+    duet_cluster_motion_result result;
+    must(duet_cluster_advance(cluster, &result, ERR));
+    return cluster;
+}
+
 // Parts of rows by a device that does not work on the host's memory: as one that does has them.
 static void parts_of_rows_come_and_go(void)
 {
     static const uint32_t places[] = {17, 3, 20};
     enum { N = sizeof places / sizeof *places };
-    const moving_scene s = {"falling", {{"n", "80"}}, 1, 0, 0, 0};
-    duet_cluster *cluster = begin_on(ALONE, def_of(2, 1), &s);
-    duet_cluster_motion_result result;
-    must(duet_cluster_advance(cluster, &result, ERR));
+    duet_cluster *cluster = two_domains_after_a_step("80");
     duet_motion *m = cluster->moving->domains[0].motion;
     const uint32_t words = motion_words(m, VELOCITIES);
     const row_parts whole = {.words = {words}}, ends = {{0, words - 1}, {2, 1}, 0};
@@ -841,17 +847,6 @@ static void parts_of_rows_come_and_go(void)
 
 // ---------------------------------------------------------------- what a domain's device lists
 
-static duet_cluster *two_domains_after_a_step(MPI_Comm *comm)
-{
-    const duet_setting settings[] = {{"n", "300"}};
-    const duet_cluster_def def = def_of(comm, 2, 1);
-    duet_cluster *cluster = must(duet_cluster_create(&def, ERR));
-    must(duet_cluster_begin_motion(cluster, "falling", settings, 1, NULL, ERR));
-    duet_cluster_motion_result result;
-    must(duet_cluster_advance(cluster, &result, ERR));
-    return cluster;
-}
-
 static bool is_within(const float b[6], const float e[6])
 {
     bool within = true;
@@ -872,8 +867,7 @@ static bool do_meet(const float b[6], const float e[6])
 static void bodies_near_extents_are_listed(void)
 {
     static const float extents[][6] = {{-1, -1, -1, 6, 6, 6}, {0, 0, 0, 2, 2, 3}};
-    MPI_Comm comm = MPI_COMM_SELF;
-    duet_cluster *cluster = two_domains_after_a_step(&comm);
+    duet_cluster *cluster = two_domains_after_a_step("300");
     const moving_domain *d = &cluster->moving->domains[1];
     domain_near *near;
     uint32_t n, expected = 0;
@@ -907,8 +901,7 @@ static void rows_move_with_their_bodies(void)
 {
     enum { WORDS = 4, MOST = 300 };
     static const motion_buffer list[] = {VELOCITIES};
-    MPI_Comm comm = MPI_COMM_SELF;
-    duet_cluster *cluster = two_domains_after_a_step(&comm);
+    duet_cluster *cluster = two_domains_after_a_step("300");
     duet_motion *m = cluster->moving->domains[0].motion;
     const uint32_t n = m->n + FIXED;
     const row_parts whole = {.words = {WORDS}};
