@@ -40,9 +40,11 @@ add_library(duet::static ALIAS duet_static)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/duet)
 set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_to_prefix /${pc_dir} /)
-configure_package_config_file(runtime/duet-config.cmake.in duet-config.cmake
+# CMake would find them in the build tree itself, if that is in PATH.
+set(packaged ${CMAKE_CURRENT_BINARY_DIR}/packaged/config)
+configure_package_config_file(runtime/duet-config.cmake.in ${packaged}/duet-config.cmake
   INSTALL_DESTINATION ${config_dir})
-write_basic_package_version_file(duet-config-version.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${packaged}/duet-config-version.cmake COMPATIBILITY SameMinorVersion)
 configure_file(runtime/duet.pc.in duet.pc @ONLY)
 
 install(TARGETS duet COMPONENT program)
@@ -53,9 +55,8 @@ install(EXPORT duet NAMESPACE duet:: FILE duet-targets.cmake DESTINATION ${confi
   COMPONENT development)
 install(EXPORT duet-static NAMESPACE duet:: FILE duet-static-targets.cmake
   DESTINATION ${config_dir} COMPONENT development)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet-config.cmake
-  ${CMAKE_CURRENT_BINARY_DIR}/duet-config-version.cmake DESTINATION ${config_dir}
-  COMPONENT development)
+install(FILES ${packaged}/duet-config.cmake ${packaged}/duet-config-version.cmake
+  DESTINATION ${config_dir} COMPONENT development)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/duet.pc DESTINATION ${pc_dir} COMPONENT development)
 
 # Scenes and experiments lie beside each other, as in the source.

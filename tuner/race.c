@@ -165,9 +165,18 @@ uint32_t race_best(const race *r, uint32_t from, uint32_t to)
     return best == r->n ? to : best;
 }
 
+// The best of those that may leave; the usual one unless another is faster for sure.
+static uint32_t choose(const race *r)
+{
+    uint32_t best = leader_from(r, r->options.stay), usual = r->options.usual;
+    bool stays = usual > 0 && best < r->n && !r->rivals[usual].out &&
+                 race_compare(r, best, usual).verdict != RACE_FASTER;
+    return stays ? usual : best;
+}
+
 static void drop_slower(race *r)
 {
-    uint32_t leader = race_leader(r), chosen = leader_from(r, r->options.stay);
+    uint32_t leader = race_leader(r), chosen = choose(r);
     bool one = r->options.chosen_after > 0 && fewest_rounds(r) >= r->options.chosen_after;
     for (uint32_t i = r->options.stay; i < r->n; ++i) {
         if (i == leader || r->rivals[i].out)

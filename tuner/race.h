@@ -20,6 +20,7 @@ typedef struct race_options {
     double dropped;        // a plan that surely takes so many times the leader's time drops out
     uint32_t stay;         // the first so many rivals do not: others are measured by them
     uint32_t chosen_after; // so many rounds, one of the others is left; 0: as many as there are
+    uint32_t usual;        // that one, unless another is faster for sure; 0: none
     double margin;         // the race ends once all ratios are known this well; 0: it does not
 } race_options;
 

@@ -201,7 +201,9 @@ static void race_finalists(tuning *t, const duet_plan *alone, const duet_plan *s
         field_enter_new(f, &even);
     for (uint32_t i = 0; i < e->n; ++i)
         field_enter_new(f, &e->plans[i]);
-    field_race(t, f, &trial_budget_last_race);
+    race_options last = trial_budget_last_race;
+    last.usual = e->n > 0 ? field_find(f, &e->plans[e->n - 1]) : 0;
+    field_race(t, f, &last);
 }
 
 // The best of the shared plans. An expected plan stays unless another is proven to be faster: in

@@ -19,6 +19,15 @@ run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${built} -G Ninja -DCMAKE_PREFIX_PATH=${p
   -DHELLO=${HELLO} -DCMAKE_C_FLAGS=-Werror -DCMAKE_CXX_FLAGS=-Werror)
 run(${CMAKE_COMMAND} --build ${built})
 
+# CMake looks beside the programs in PATH, too. The build tree, where the README has the program, is
+# no place from which a project can take the library.
+set(path $ENV{PATH})
+set(ENV{PATH} ${BUILD}:${path})
+file(WRITE ${built}/beside/CMakeLists.txt
+  "cmake_minimum_required(VERSION 3.22)\nproject(beside NONE)\nfind_package(duet QUIET)\n")
+run(${CMAKE_COMMAND} -S ${built}/beside -B ${built}/beside/built)
+set(ENV{PATH} ${path})
+
 set(ENV{LD_LIBRARY_PATH} ${pc_dir}/..)
 foreach(way with_shared with_static with_own_names with_cxx with_pkg_config)
   run_says("^0 and 1 collide\n$" ${built}/${way})

@@ -306,30 +306,38 @@ TEST(a_tuning_takes_a_tenth_of_the_trials_of_brute_force)
     assert_true(off <= 0.03);
 }
 
-// Two devices of one kind at noise that a busy machine has. What is raced beside the single device
-// are plans that hardly differ, and it is enough to choose one.
-TEST(few_tunings_of_equal_devices_take_more_than_a_tenth)
+// Two devices of one kind. What is raced beside the single device are plans that hardly differ, and
+// it is enough to choose one; the expected one then has all rounds, so that a half each is proven
+// to take less than one device also at noise that hides which plan is best.
+TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
 {
     enum { TIMES = 100 };
-    fake f = {.random = rng_seed(test_seed() + 3), .sigma = 0.1};
-    uint32_t more = 0, alone = 0;
-    double trials = 0, off = 0;
-    for (int i = 0; i < TIMES; ++i) {
-        invent(&f);
-        f.slower = 1;
-        memcpy(f.factor[0], f.factor[1], sizeof f.factor[0]);
-        f.space.now = i % 2 ? f.space.now : best_config(&f);
-        duet_tune_outcome o = tune_fake(&f, "balance");
-        uint32_t plans =
-            (POINTS - 1) * f.space.n_configs * f.space.n_configs + 2 * f.space.n_configs;
-        trials += o.trials / (double)TIMES;
-        off += (time_of_plan(&f, &o.plan) / least_time(&f) - 1) / TIMES;
-        more += 10 * o.trials > plans;
-        alone += o.plan.share == 0 || o.plan.share == DUET_SHARE_ONE;
+    static const struct {
+        double sigma, off;
+        uint32_t more, alone; // at most
+    } cases[] = {{0.1, 0.04, 6, 1}, {0.3, 0.2, 20, 6}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        fake f = {.random = rng_seed(test_seed() + 3), .sigma = cases[k].sigma};
+        uint32_t more = 0, alone = 0;
+        double trials = 0, off = 0;
+        for (int i = 0; i < TIMES; ++i) {
+            invent(&f);
+            f.slower = 1;
+            memcpy(f.factor[0], f.factor[1], sizeof f.factor[0]);
+            f.space.now = i % 2 ? f.space.now : best_config(&f);
+            duet_tune_outcome o = tune_fake(&f, "balance");
+            uint32_t plans =
+                (POINTS - 1) * f.space.n_configs * f.space.n_configs + 2 * f.space.n_configs;
+            trials += o.trials / (double)TIMES;
+            off += (time_of_plan(&f, &o.plan) / least_time(&f) - 1) / TIMES;
+            more += 10 * o.trials > plans;
+            alone += o.plan.share == 0 || o.plan.share == DUET_SHARE_ONE;
+        }
+        print_message("%.0f trials in the mean, %u times more than a tenth, %.1f %% above the "
+                      "best, %u times one device\n",
+                      trials, more, 100 * off, alone);
+        assert_true(more <= cases[k].more && alone <= cases[k].alone && off <= cases[k].off);
     }
-    print_message("%.0f trials in the mean, %u times more than a tenth, %.1f %% above the best\n",
-                  trials, more, 100 * off);
-    assert_true(more <= 3 && alone <= 3 && off <= 0.04);
 }
 
 TEST(no_plan_is_measured_twice)

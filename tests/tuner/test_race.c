@@ -194,6 +194,28 @@ TEST(one_of_the_others_is_left_once_it_is_to_be_chosen)
     }
 }
 
+// Also if others are ahead by chance, but not if one is faster for sure.
+TEST(the_usual_one_is_chosen_unless_another_is_faster_for_sure)
+{
+    rng random = rng_seed(test_seed());
+    const race_options options = {.least_rounds = 14,
+                                  .most_rounds = 30,
+                                  .confidence = 0.99,
+                                  .dropped = 1.5,
+                                  .stay = 1,
+                                  .chosen_after = 14,
+                                  .usual = 3};
+    for (int k = 0; k < 50; ++k) {
+        const double near[] = {2000, 1000, 1000, 1000}, far[] = {2000, 1000, 700, 1000};
+        race r = race_begin(4, &options), other = r;
+        run(&r, near, 0.05, &random);
+        run(&other, far, 0.01, &random);
+        uint32_t best = race_best(&r, 1, 4);
+        assert_true(!r.rivals[3].out || race_compare(&r, best, 3).verdict == RACE_FASTER);
+        assert_true(!other.rivals[2].out && other.rivals[3].out && other.rivals[1].out);
+    }
+}
+
 // A gain of 90 % need not be known as well as one of 2 %.
 TEST(a_race_that_is_far_from_a_tie_ends_sooner)
 {
