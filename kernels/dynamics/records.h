@@ -121,11 +121,13 @@
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
 // Words of a team (team.clh), those that all change in lines of a cache of their own.
+#define TEAM_LINE 16 // words
 #define TEAM_DONE 0
-#define TEAM_STAGE 16
-#define TEAM_TAKEN 32
-#define TEAM_MOST 224 // groups
-#define TEAM_WORDS (TEAM_TAKEN + TEAM_MOST)
+#define TEAM_STAGE TEAM_LINE
+#define TEAM_TAKEN (2 * TEAM_LINE) // each part's
+#define TEAM_MOST 224              // groups
+#define TEAM_SUMS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST) // likewise, for stages that add up
+#define TEAM_WORDS (TEAM_SUMS + TEAM_MOST)
 #define TEAM_LEAST_PART 32 // contacts that a group takes of a colour at least
 
 // ------------------------------------------------------------ flags
