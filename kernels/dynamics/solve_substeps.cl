@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// All substeps of a step in one launch: as launches they would wait for each other longer than they take.
+// Substeps in one launch: as launches they would wait for each other longer than they take.
 //
 // Invariant: bodies and contacts go through the functions of integrate_velocities, integrate_positions and
 // solve_contacts, in the same order.
 //
-//   spans     as colour_parts.clh has them
-//   substeps  each has two passes over the bodies and then the colours, as solve_contacts.cl has them
-//   soft      of the pass, whatever the host says
+//   spans       as colour_parts.clh has them
+//   n_substeps  each has two passes over the bodies and then the colours, as solve_contacts.cl has them
+//   soft        of the pass, whatever the host says
 
 static inline void accelerate_bodies(const state *s, uint2 range)
 {
@@ -36,7 +36,7 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     sweep parts = SWEEP;
     colour_part part;
     uint2 range;
-    for (uint pass = 0; pass < 2 * substeps; ++pass) {
+    for (uint pass = 0; pass < 2 * n_substeps; ++pass) {
         s.soft = ~pass & 1u;
         BEGIN_BODIES(parts);
         while (next_bodies(&parts, N_AWAKE, &range)) {

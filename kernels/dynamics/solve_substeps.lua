@@ -22,7 +22,7 @@ return {
       int4 span
       uint from_colour
       uint to_colour
-      uint substeps
+      uint n_substeps
       float *blocks
       volatile uint *team     if TEAM == 1 or MEET == 1
       uint stage              if TEAM == 1

@@ -124,8 +124,7 @@ static bool solve_shocks(duet_motion *m, duet_error *err)
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    return budget_check(err) &&
-           motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
+    return motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
            solve_shocks(m, err) && solve(m, 1, err) &&
            motion_launch(m, "integrate", k->integrate_positions, m->awake.n_bodies, err) &&
            solve(m, 0, err);
@@ -166,8 +165,8 @@ static uint32_t most_work(const duet_motion *m)
     return contacts > bodies ? contacts : bodies;
 }
 
-// Whether the groups have space for every colour: as many as the device has units if they meet, else
-// one, which takes no contacts in order.
+// Whether the groups have space for every colour: as many as the device has units if they meet,
+// else one, which takes no contacts in order.
 static bool have_space(const duet_motion *m, const kernel *k)
 {
     const uint64_t takes = (uint64_t)k->group * k->per_item;
@@ -186,26 +185,34 @@ static bool takes_substeps(const duet_motion *m, const kernel *k)
     return team_takes(solve) && kernel_param(solve, "LANES") == kernel_param(k, "LANES");
 }
 
-static bool launch_substeps(duet_motion *m, const kernel *k, duet_error *err)
+static bool launch_substeps(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
 {
     contact_solver *s = &m->solver;
+    s->n_substeps = n;
     s->span = span_of(s, 0);
     s->from_colour = 0;
     s->to_colour = end_of_colours(s);
     if (!team_takes(k) && !kernel_param(k, "MEET"))
         return motion_launch(m, "solve_contacts", k, 1, err);
     return team_launch(m, "solve_contacts", k, most_work(m), k->group > 1 ? k->group : GROUP_LEAST,
-                       2 * m->def.substeps * (1 + s->to_colour), err);
+                       2 * n * (1 + s->to_colour), err);
+}
+
+// A team of several may lose members up to the end of a launch, which is then not that of the step.
+static uint32_t substeps_at_once(const duet_motion *m, const kernel *k)
+{
+    if (!takes_substeps(m, k))
+        return 0;
+    return team_takes(k) && most_work(m) > GROUP_LEAST ? 1 : m->def.substeps;
 }
 
 static bool run_substeps(duet_motion *m, duet_error *err)
 {
     const kernel *k = m->kernels.solve_substeps;
+    const uint32_t n = substeps_at_once(m, k);
     bool ok = true;
-    if (takes_substeps(m, k))
-        return budget_check(err) && launch_substeps(m, k, err);
-    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
-        ok = substep(m, err);
+    for (uint32_t i = 0; ok && i<m->def.substeps; i += n> 0 ? n : 1)
+        ok = budget_check(err) && (n > 0 ? launch_substeps(m, k, n, err) : substep(m, err));
     return ok;
 }
 

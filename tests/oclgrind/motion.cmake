@@ -39,7 +39,7 @@ foreach(case ${cases_${DIMS}}
     "2 --set shocks=true"
     "3 --set sleep=true --set events=true"
     "2 --set skin=0.3 --set continuous=true --set boundary=none"
-    "2 --set sleep=true --variant 'auto solve_contacts.WG=64 graph_colour.WG=64'"
+    "2 --set sleep=true --variant 'auto solve_contacts.WG=64 graph_colour.WG=64 contact_graph.WG=64'"
     "2 --set turned=false --set filtered=true --set doubles=true"
     "2 --set origin=true --set boundary=none"
     "2 --set falling=false --set boundary=periodic"
