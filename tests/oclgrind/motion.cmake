@@ -34,7 +34,7 @@ macro(state_of case steps device result)
 endmacro()
 
 set(launched "")
-set(cases_3 "2 --set hills=true" "2 --set mesh=true") # a ground is three-dimensional
+set(cases_3 "2 --set hills=true --variant 'auto contact_graph.WG=64'" "2 --set mesh=true") # a ground is three-dimensional
 foreach(case ${cases_${DIMS}}
     "2 --set shocks=true"
     "3 --set sleep=true --set events=true"
