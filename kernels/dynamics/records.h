@@ -126,7 +126,7 @@
 #define TEAM_STAGE TEAM_LINE
 #define TEAM_TAKEN (2 * TEAM_LINE) // each part's
 #define TEAM_MOST 224              // groups
-#define TEAM_SUMS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST) // likewise, for stages that add up
+#define TEAM_SUMS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST) // each part's, of a stage that adds up
 #define TEAM_WORDS (TEAM_SUMS + TEAM_MOST)
 #define TEAM_LEAST_PART 32 // contacts that a group takes of a colour at least
 

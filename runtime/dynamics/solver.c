@@ -198,7 +198,8 @@ static bool launch_substeps(duet_motion *m, const kernel *k, uint32_t n, duet_er
                        2 * n * (1 + s->to_colour), err);
 }
 
-// A team of several may lose members up to the end of a launch, which is then not that of the step.
+// Returns 0 if a substep is several launches. A team of several may lose members up to the end of a
+// launch, which is then not that of the step.
 static uint32_t substeps_at_once(const duet_motion *m, const kernel *k)
 {
     if (!takes_substeps(m, k))
@@ -209,10 +210,11 @@ static uint32_t substeps_at_once(const duet_motion *m, const kernel *k)
 static bool run_substeps(duet_motion *m, duet_error *err)
 {
     const kernel *k = m->kernels.solve_substeps;
-    const uint32_t n = substeps_at_once(m, k);
+    const uint32_t at_once = substeps_at_once(m, k), each = at_once > 0 ? at_once : 1;
     bool ok = true;
-    for (uint32_t i = 0; ok && i<m->def.substeps; i += n> 0 ? n : 1)
-        ok = budget_check(err) && (n > 0 ? launch_substeps(m, k, n, err) : substep(m, err));
+    for (uint32_t i = 0; ok && i < m->def.substeps; i += each)
+        ok = budget_check(err) &&
+             (at_once > 0 ? launch_substeps(m, k, at_once, err) : substep(m, err));
     return ok;
 }
 
