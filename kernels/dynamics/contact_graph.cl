@@ -336,9 +336,9 @@ __kernel void make_rows(MAKE_ROWS_ARGS)
 {
     const graph g = {MAKE_ROWS_VALUES};
     team_member t = TEAM_MEMBER;
-    uint part;
+    uint part, each = parts_of(&t, max(n, n_pairs), TEAM_LEAST_BODIES);
     for (uint k = 0; k < ROWS_STAGES; ++k) {
-        IN_STAGE(&t, &part)
+        IN_STAGE(&t, &part, each)
             make_part(&g, k, &t, part, false, starts, others);
         END_STAGE(&t);
     }
@@ -348,9 +348,9 @@ __kernel void make_returns(MAKE_RETURNS_ARGS)
 {
     const graph g = {MAKE_RETURNS_VALUES};
     team_member t = TEAM_MEMBER;
-    uint part;
+    uint part, each = parts_of(&t, n, TEAM_LEAST_BODIES);
     for (uint k = 0; k < ROWS_STAGES; ++k) {
-        IN_STAGE(&t, &part)
+        IN_STAGE(&t, &part, each)
             make_part(&g, k, &t, part, true, return_starts, returns);
         END_STAGE(&t);
     }

@@ -38,7 +38,7 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     uint2 range;
     for (uint pass = 0; pass < 2 * n_substeps; ++pass) {
         s.soft = ~pass & 1u;
-        BEGIN_BODIES(parts);
+        BEGIN_BODIES(parts, N_AWAKE);
         while (next_bodies(&parts, N_AWAKE, &range)) {
             if (s.soft)
                 accelerate_bodies(&to_accelerate, range);
