@@ -6,6 +6,8 @@
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/scan.h"
 
+#include <string.h>
+
 enum { MOST = 300000 };
 
 // The host reads them here again once a timeline has shown them.
@@ -135,6 +137,44 @@ TEST(the_host_reads_writes_and_fills_between_launches)
     first = 1;
     must(timeline_finish(&t, ERR));
     assert_int_equal(first, 0);
+    close_bench();
+}
+
+// Memory of this size goes back to the system as soon as it is freed, and the next buffers get it.
+enum { LARGE = 64 << 20, MARK = 0x55 };
+
+static void expect_marks(const buffer *of)
+{
+    const unsigned char *bytes = of->host;
+    size_t n = 0;
+    while (n < of->bytes && bytes[n] == MARK)
+        ++n;
+    assert_int_equal(n, of->bytes);
+}
+
+// A buffer grows while a launch waits that writes to it: what then lies there is another's.
+TEST(memory_is_kept_until_no_launch_uses_it)
+{
+    cl_int code = CL_SUCCESS;
+    timeline t = {0};
+    open_bench(false, false);
+    timeline_begin(&t, &b.d, true);
+    must(buffer_reserve(&b.words, &b.d, LARGE, ERR));
+    for (uint32_t i = 0; i < MOST; ++i)
+        ((uint32_t *)b.words.host)[i] = 1;
+    cl_event gate = must(clCreateUserEvent(b.d.context, &code));
+    must(timeline_follow(&t, gate, ERR));
+    must(scan_run(&b.s, &t, "scan", &b.words, &b.words, MOST, ERR));
+    must(timeline_flush(&t, ERR));
+    must(buffer_reserve(&b.words, &b.d, 2 * (size_t)LARGE, ERR));
+    must(buffer_reserve(&b.sums, &b.d, LARGE, ERR));
+    memset(b.words.host, MARK, b.words.bytes);
+    memset(b.sums.host, MARK, b.sums.bytes);
+    assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
+    must(timeline_finish(&t, ERR));
+    expect_marks(&b.words);
+    expect_marks(&b.sums);
+    clReleaseEvent(gate);
     close_bench();
 }
 
