@@ -130,8 +130,8 @@
 #define TEAM_SUMS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST) // each part's, of a stage that adds up
 #define TEAM_WORDS (TEAM_SUMS + TEAM_PARTS * TEAM_MOST)
 #define TEAM_LEAST_PART 32     // contacts that a group takes of a colour at least
-#define TEAM_LEAST_CONTACTS 64 // contacts, or rows and bodies, of a part if a group has several
-#define TEAM_LEAST_BODIES 512
+#define TEAM_LEAST_CONTACTS 64 // those of a part if a group has several
+#define TEAM_LEAST_BODIES 512  // likewise, bodies, pairs, or contacts that are not solved
 
 // ------------------------------------------------------------ flags
 
