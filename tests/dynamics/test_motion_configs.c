@@ -23,9 +23,9 @@ static bool are_round; // every other body, a sphere
 // ---------------------------------------------------------------- launches
 
 static const char *const names[] = {
-    "integrate_free_flight", "fat_aabbs",      "contact_graph", "build_manifolds",
-    "match_contacts",        "update_sleep",   "bodies",        "graph_colour",
-    "prepare_contacts",      "solve_contacts", "solve_substeps",     "integrate_positions",
+    "integrate_free_flight", "fat_aabbs",      "contact_graph",  "build_manifolds",
+    "match_contacts",        "update_sleep",   "bodies",         "graph_colour",
+    "prepare_contacts",      "solve_contacts", "solve_substeps", "integrate_positions",
     "contact_events",        "awake"};
 
 enum { KERNELS = sizeof names / sizeof *names };
