@@ -2,7 +2,7 @@
 return {
   about = "the contact graph: which bodies each body may touch",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/mesh_rows.h",
-    "dynamics/mesh_tree.clh" },
+    "dynamics/mesh_tree.clh", "dynamics/team.clh" },
   params = {
     common.DIMS, common.DOUBLE,
     { "BOUNDARY", values = { 0, 1 }, default = 0, about = "1: walls" },
@@ -10,6 +10,7 @@ return {
     { "FILTER", values = { 0, 1 }, default = 0, about = "1: groups and masks" },
     common.SENSORS,
     common.GROUND, common.CARRIED,
+    { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups make rows together" },
     common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
@@ -60,11 +61,50 @@ return {
       uint *row_values
     ]],
     contact_graph_reverse = [[
-      const uint *starts
-      const uint *others
+      volatile uint *starts
+      uint *others
       uint n
       const real4 *velocities
       uint fill
+      uint2 *links
+      uint *touches
+      uint *colours           if CONTACT_RESPONSE == 1
+      volatile uint *return_starts
+      uint *returns
+    ]],
+    make_rows = [[
+      const uint2 *pairs
+      uint n_pairs
+      const float *boxes
+      const real4 *velocities
+      const uint2 *filters    if FILTER == 1
+      const float *sensors    if SENSORS == 1
+      real4 lower             if BOUNDARY == 1
+      real4 upper             if BOUNDARY == 1
+      real4 ground_origin     if GROUND > 0
+      const float *ground_values  if GROUND == 1
+      real4 ground_spacing    if GROUND == 1
+      int4 ground_size        if GROUND == 1
+      const uint *mesh_nodes  if GROUND == 2
+      const real4 *centres    if CARRIED == 1
+      const real4 *rotations  if CARRIED == 1
+      const real4 *angular_velocities  if CARRIED == 1
+      uint carrier            if CARRIED == 1
+      float dt                if CARRIED == 1
+      real contact_margin     if GROUND > 0
+      uint n
+      volatile uint *team
+      uint stage
+      volatile uint *starts
+      uint *others
+    ]],
+    make_returns = [[
+      volatile uint *starts
+      uint *others
+      uint n
+      const real4 *velocities
+      volatile uint *team
+      uint stage
       uint2 *links
       uint *touches
       uint *colours           if CONTACT_RESPONSE == 1

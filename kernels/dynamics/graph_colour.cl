@@ -208,18 +208,19 @@ __kernel void colour_contacts(COLOUR_CONTACTS_ARGS)
     const colouring c = {COLOUR_CONTACTS_VALUES};
     team_member t = TEAM_MEMBER;
     uint n_bodies = N_AWAKE, n_here = N_AWAKE_CONTACTS, part;
-    IN_STAGE(&t, &part) {
+    uint by_contacts = parts_of(&t, n_here, TEAM_LEAST_BODIES), by_bodies = parts_of(&t, n_bodies, TEAM_LEAST_BODIES);
+    IN_STAGE(&t, &part, by_contacts) {
         uint2 range = range_of(&t, part, n_here);
         mark_contacts(&c, range.x, range.y);
     }
     END_STAGE(&t);
     for (uint turn = 1; is_round_next(&c, turn); ++turn) {
-        IN_STAGE(&t, &part) {
+        IN_STAGE(&t, &part, by_bodies) {
             uint2 range = range_of(&t, part, n_bodies);
             choose_contacts(&c, range.x, range.y);
         }
         END_STAGE(&t);
-        IN_STAGE(&t, &part) {
+        IN_STAGE(&t, &part, by_bodies) {
             uint2 range = range_of(&t, part, n_bodies);
             take_contacts(&c, turn, range.x, range.y);
         }
@@ -227,10 +228,10 @@ __kernel void colour_contacts(COLOUR_CONTACTS_ARGS)
     }
     if (!sorts && !flags[FLAG_RECOLOURED])
         return;
-    IN_STAGE(&t, &part)
+    IN_STAGE(&t, &part, 1)
         count_keys(&c, part, range_of(&t, part, n_here));
     END_STAGE(&t);
-    IN_STAGE(&t, &part)
+    IN_STAGE(&t, &part, 1)
         list_contacts(&c, part, t.groups, range_of(&t, part, n_here));
 }
 

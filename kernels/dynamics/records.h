@@ -121,12 +121,17 @@
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
 // Words of a team (team.clh), those that all change in lines of a cache of their own.
+#define TEAM_LINE 16 // words
 #define TEAM_DONE 0
-#define TEAM_STAGE 16
-#define TEAM_TAKEN 32
-#define TEAM_MOST 224 // groups
-#define TEAM_WORDS (TEAM_TAKEN + TEAM_MOST)
-#define TEAM_LEAST_PART 32 // contacts that a group takes of a colour at least
+#define TEAM_STAGE TEAM_LINE
+#define TEAM_TAKEN (2 * TEAM_LINE)                     // a line for each group
+#define TEAM_MOST 224                                  // groups
+#define TEAM_PARTS TEAM_LINE                           // parts of a group in a stage, at most
+#define TEAM_SUMS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST) // each part's, of a stage that adds up
+#define TEAM_WORDS (TEAM_SUMS + TEAM_PARTS * TEAM_MOST)
+#define TEAM_LEAST_PART 32     // contacts that a group takes of a colour at least
+#define TEAM_LEAST_CONTACTS 64 // those of a part if a group has several
+#define TEAM_LEAST_BODIES 512  // likewise, bodies, pairs, or contacts that are not solved
 
 // ------------------------------------------------------------ flags
 

@@ -166,11 +166,28 @@ static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
     return motion_clear(m, "contact_graph", starts, 0, (size_t)m->n + 1, err);
 }
 
+// Stages of a team that makes rows (kernels/dynamics/contact_graph.cl); pairs or bodies that a
+// group has at least.
+enum { ROWS_STAGES = 6, ROWS_LEAST = 256 };
+
+static bool make_by_team(duet_motion *m, const kernel *k, uint32_t work, duet_error *err)
+{
+    return team_launch(m, "contact_graph", k, work > m->n ? work : m->n, ROWS_LEAST, ROWS_STAGES,
+                       err);
+}
+
+static bool put_rows(duet_motion *m, duet_error *err)
+{
+    if (team_takes(m->kernels.make_rows))
+        return make_by_team(m, m->kernels.make_rows, m->graph.n_pairs, err);
+    return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
+           put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err);
+}
+
 // The last of the starts says how many contacts there are.
 static bool fill_rows(duet_motion *m, duet_error *err)
 {
-    return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
-           put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err) &&
+    return put_rows(m, err) &&
            motion_fetch(m, "contact_graph", STARTS, m->n * sizeof m->graph.n_contacts,
                         &m->graph.n_contacts, sizeof m->graph.n_contacts, err);
 }
@@ -194,8 +211,12 @@ static bool reserve_contacts(duet_motion *m, duet_error *err)
 
 static bool fill_returns(duet_motion *m, duet_error *err)
 {
-    return reserve_contacts(m, err) && clear_starts(m, RETURN_STARTS, err) &&
-           put_returns(m, 0, err) && scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
+    if (!reserve_contacts(m, err))
+        return false;
+    if (team_takes(m->kernels.make_returns))
+        return make_by_team(m, m->kernels.make_returns, m->graph.n_contacts, err);
+    return clear_starts(m, RETURN_STARTS, err) && put_returns(m, 0, err) &&
+           scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
            sort_rows(m, RETURN_STARTS, RETURNS, err);
 }
 

@@ -43,6 +43,7 @@ typedef struct motion_kernels {
     kernel *compute_fat_aabbs, *check_fat_aabbs;
     kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_ground;
     kernel *contact_graph_sort, *contact_graph_reverse;
+    kernel *make_rows, *make_returns; // do what these do; a team's
     kernel *match_contacts;
     kernel *build_manifolds;
     kernel *mark_awake, *spread_awake, *count_awake, *list_awake;
@@ -53,7 +54,8 @@ typedef struct motion_kernels {
     kernel *colour_contacts; // does what these and the sort do; a team's
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution, *solve_shocks;
-    kernel *solve_few; // NULL with shocks, and where more bodies are always awake
+    kernel *solve_substeps; // NULL with shocks, and if more bodies are always awake than a GPU's
+                            // group takes
     kernel *row_start;
     kernel *write_poses; // NULL until a tree asks for it
     // likewise, a command
@@ -182,8 +184,8 @@ duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                            duet_error *err);
 
-// The same in two calls: what the objects and the def say, without a device, and then the rest. After
-// a failure of the second the motion is still to be destroyed.
+// The same in two calls: what the objects and the def say, without a device, and then the rest.
+// After a failure of the second the motion is still to be destroyed.
 duet_motion *motion_know(const duet_motion_def *def, const duet_pose *poses,
                          const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
                          duet_error *err);

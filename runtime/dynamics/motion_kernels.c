@@ -88,6 +88,7 @@ const binding motion_bindings[] = {
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),
+    VALUE_OF(solver, n_substeps),
     VALUE_OF(team, stage),
     {0}};
 
@@ -173,6 +174,7 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
         OFFER("HITS", motion_tells_hits(m)),
         OFFER("ALTERED", altered),
         OFFER("TEAM", m->device->info.kind == DUET_KIND_CPU),
+        OFFER("MEET", (m->device->quirks & DRIVER_MEETS) != 0),
     };
     const uint32_t n = sizeof of_scene / sizeof *of_scene;
     _Static_assert(sizeof of_scene / sizeof *of_scene + VARIANT_SETTINGS <= MOTION_OFFERS,
@@ -234,8 +236,9 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool walls = contact && boundary_kind(m) == 1;
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
-    bool team = response && m->device->info.kind == DUET_KIND_CPU;
-    bool few = response && !shocks && (sleep || m->n <= SOLVER_FEW);
+    bool cpu = m->device->info.kind == DUET_KIND_CPU, team = response && cpu;
+    bool meets = cpu || (m->device->quirks & DRIVER_MEETS);
+    bool at_once = response && !shocks && (meets || sleep || m->n <= SOLVER_FEW);
     const kernel_request list[] = {
         KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
         KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
@@ -245,6 +248,8 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(contact_graph_ground, contact && ground_kind(m) > 0, "contact_graph"),
         KERNEL(contact_graph_sort, contact, "contact_graph"),
         KERNEL(contact_graph_reverse, contact, "contact_graph"),
+        KERNEL(make_rows, contact && cpu, "contact_graph"),
+        KERNEL(make_returns, contact && cpu, "contact_graph"),
         KERNEL(match_contacts, contact, "match_contacts"),
         KERNEL(build_manifolds, contact, "build_manifolds"),
         KERNEL(mark_awake, sleep, "awake"),
@@ -270,7 +275,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(solve_contacts, response, "solve_contacts"),
         KERNEL(apply_restitution, response, "solve_contacts"),
         KERNEL(solve_shocks, shocks, "solve_shocks"),
-        KERNEL(solve_few, few, "solve_few"),
+        KERNEL(solve_substeps, at_once, "solve_substeps"),
         KERNEL(row_start, response, "cell_start"),
     };
     m->layout = lay_out(m);

@@ -124,8 +124,7 @@ static bool solve_shocks(duet_motion *m, duet_error *err)
 static bool substep(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
-    return budget_check(err) &&
-           motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
+    return motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
            solve_shocks(m, err) && solve(m, 1, err) &&
            motion_launch(m, "integrate", k->integrate_positions, m->awake.n_bodies, err) &&
            solve(m, 0, err);
@@ -154,29 +153,68 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- all substeps at once
 
-// Bodies that a work-item may have, as it takes them one after the other.
-enum { BODIES_OF_ONE = 4 };
+// Bodies that a work-item may have, as it takes them one after the other; contacts of a colour, or
+// as many bodies as take as long, that a group has at least.
+enum { BODIES_OF_ONE = 4, GROUP_LEAST = 64 };
 
-// Whether one group has space for every colour, and each work-item few bodies.
-static bool are_few(const duet_motion *m, const kernel *k)
+// Contacts of a colour, or bodies that take as long as those.
+static uint32_t most_work(const duet_motion *m)
 {
-    const contact_solver *s = &m->solver;
-    uint64_t takes = k ? (uint64_t)k->group * k->per_item : 0;
-    uint64_t most = BODIES_OF_ONE * takes < SOLVER_FEW ? BODIES_OF_ONE * takes : SOLVER_FEW;
-    return m->awake.n_bodies <= most && s->colours[COLOUR_OVERFLOW].count == 0 &&
-           most_of(s, 0, COLOUR_OVERFLOW) <= takes;
+    const uint32_t contacts = most_of(&m->solver, 0, COLOUR_OVERFLOW);
+    const uint32_t bodies = (m->awake.n_bodies + BODIES_OF_ONE - 1) / BODIES_OF_ONE;
+    return contacts > bodies ? contacts : bodies;
+}
+
+// Whether the groups have space for every colour: as many as the device has units if they meet,
+// else one, which takes no contacts in order.
+static bool have_space(const duet_motion *m, const kernel *k)
+{
+    const uint64_t takes = (uint64_t)k->group * k->per_item;
+    if (kernel_param(k, "MEET") == 1)
+        return most_work(m) <= takes * m->device->info.units;
+    return most_work(m) <= takes && m->awake.n_bodies <= SOLVER_FEW &&
+           m->solver.colours[COLOUR_OVERFLOW].count == 0;
+}
+
+// A plan that sets how contacts are solved is obeyed by launches of their own.
+static bool takes_substeps(const duet_motion *m, const kernel *k)
+{
+    const kernel *solve = m->kernels.solve_contacts;
+    if (!k || !team_takes(k))
+        return k && have_space(m, k);
+    return team_takes(solve) && kernel_param(solve, "LANES") == kernel_param(k, "LANES");
+}
+
+static bool launch_substeps(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    s->n_substeps = n;
+    s->span = span_of(s, 0);
+    s->from_colour = 0;
+    s->to_colour = end_of_colours(s);
+    if (!team_takes(k) && !kernel_param(k, "MEET"))
+        return motion_launch(m, "solve_contacts", k, 1, err);
+    return team_launch(m, "solve_contacts", k, most_work(m), k->group > 1 ? k->group : GROUP_LEAST,
+                       2 * n * (1 + s->to_colour), err);
+}
+
+// Returns 0 if a substep is several launches. A team of several may lose members up to the end of a
+// launch, which is then not that of the step.
+static uint32_t substeps_at_once(const duet_motion *m, const kernel *k)
+{
+    if (!takes_substeps(m, k))
+        return 0;
+    return team_takes(k) && most_work(m) > GROUP_LEAST ? 1 : m->def.substeps;
 }
 
 static bool run_substeps(duet_motion *m, duet_error *err)
 {
+    const kernel *k = m->kernels.solve_substeps;
+    const uint32_t at_once = substeps_at_once(m, k), each = at_once > 0 ? at_once : 1;
     bool ok = true;
-    if (are_few(m, m->kernels.solve_few)) {
-        m->solver.to_colour = end_of_colours(&m->solver);
-        return budget_check(err) &&
-               motion_launch(m, "solve_contacts", m->kernels.solve_few, 1, err);
-    }
-    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
-        ok = substep(m, err);
+    for (uint32_t i = 0; ok && i < m->def.substeps; i += each)
+        ok = budget_check(err) &&
+             (at_once > 0 ? launch_substeps(m, k, at_once, err) : substep(m, err));
     return ok;
 }
 

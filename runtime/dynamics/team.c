@@ -32,7 +32,7 @@ bool team_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t wo
 {
     uint32_t n_groups = count_groups(m, work, least);
     if (!reserve_stages(m, n_stages, err) ||
-        !motion_launch(m, stage, k, (uint64_t)n_groups * k->per_item, err))
+        !motion_launch(m, stage, k, (uint64_t)n_groups * k->group * k->per_item, err))
         return false;
     m->team.stage += n_stages;
     return true;

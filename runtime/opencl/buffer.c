@@ -45,6 +45,12 @@ static void give_back(void *memory, size_t bytes)
     free(memory);
 }
 
+static void CL_CALLBACK free_memory(cl_mem mem, void *memory)
+{
+    (void)mem;
+    free(memory);
+}
+
 void mem_release(cl_mem *mem)
 {
     if (!*mem)
@@ -54,7 +60,8 @@ void mem_release(cl_mem *mem)
     *mem = NULL;
 }
 
-// Allocates device memory, or wraps the given host memory (CL_MEM_USE_HOST_PTR).
+// Allocates device memory, or wraps the given host memory (CL_MEM_USE_HOST_PTR). If that is the
+// buffer's, the driver frees it once the buffer is released and no command uses it any more.
 static bool create(buffer *b, const device *d, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -65,7 +72,12 @@ static bool create(buffer *b, const device *d, duet_error *err)
                             b->host ? "wrapping " : "a buffer of ", b->bytes,
                             b->host ? " of host memory" : "");
     device_object_made();
-    return true;
+    if (b->host && !b->borrowed)
+        code = clSetMemObjectDestructorCallback(b->mem, free_memory, b->host);
+    if (code == CL_SUCCESS)
+        return true;
+    mem_release(&b->mem);
+    return error_set_cl(err, code, "%s: keeping host memory", d->info.selector);
 }
 
 bool buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error *err)
@@ -106,9 +118,11 @@ bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_erro
 
 void buffer_release(buffer *b)
 {
+    if (b->host && !b->borrowed)
+        budget_release(b->bytes);
+    if (!b->mem && !b->borrowed)
+        free(b->host);
     mem_release(&b->mem);
-    if (!b->borrowed)
-        give_back(b->host, b->bytes);
     *b = (buffer){0};
 }
 

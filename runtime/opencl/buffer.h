@@ -25,6 +25,7 @@ bool buffer_borrow(buffer *b, const device *d, void *host, size_t bytes, duet_er
 // Either, by what the device works on: host memory itself, or space for its bytes.
 bool buffer_hold(buffer *b, const device *d, void *host, size_t bytes, duet_error *err);
 
+// Memory of its own is given back once no command uses it.
 void buffer_release(buffer *b);
 
 // Releases a buffer that was made or held, and sets it to NULL; NULL does nothing.

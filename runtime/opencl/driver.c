@@ -51,6 +51,8 @@ uint32_t driver_quirks(const duet_device_info *info)
 {
     if (strcmp(info->platform, "Oclgrind") == 0)
         return DRIVER_CRASHES;
+    if (strcmp(info->platform, "NVIDIA CUDA") == 0)
+        return DRIVER_MEETS;
     if (strncmp(info->platform, "Portable Computing Language", 27) != 0)
         return 0;
     return DRIVER_READS_HEADER | DRIVER_KEEPS_KERNELS | DRIVER_ONE_COMPILER |

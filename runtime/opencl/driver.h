@@ -37,6 +37,10 @@ typedef enum driver_quirk {
 
     // Its programs share a state of LLVM that no lock guards, as Oclgrind's do.
     DRIVER_CRASHES = 1 << 5,
+
+    // The groups of a launch that are no more than the device's units run all at once, as on
+    // NVIDIA's GPUs, so that they may wait for each other.
+    DRIVER_MEETS = 1 << 6,
 } driver_quirk;
 
 uint32_t driver_quirks(const duet_device_info *info);

@@ -144,6 +144,14 @@ static cl_int mark_end(timeline *t, duet_error *err)
     return code;
 }
 
+// Does the reads that were asked for, once the host has waited.
+static void take_asked(timeline *t)
+{
+    for (int i = 0; i < t->n_asked; ++i)
+        memcpy(t->asked[i].to, t->asked[i].from, t->asked[i].bytes);
+    t->n_asked = 0;
+}
+
 bool timeline_finish(timeline *t, duet_error *err)
 {
     cl_int code = CL_SUCCESS;
@@ -160,6 +168,8 @@ bool timeline_finish(timeline *t, duet_error *err)
     code = code != CL_SUCCESS ? code : finished;
     if (code == CL_SUCCESS)
         code = collect(t, t->n_events);
+    if (code == CL_SUCCESS)
+        take_asked(t);
     timeline_clear(t);
     return went_well(t, code, "running the step", err);
 }
@@ -170,7 +180,7 @@ void timeline_clear(timeline *t)
         finish_queues(t);
     for (int i = 0; i < t->n_events; ++i)
         release(t->events[i].event);
-    t->n_events = 0;
+    t->n_events = t->n_asked = 0;
     if (t->sent == SENT_UNTOLD)
         t->sent = SENT_TOLD;
     t->lost = CL_SUCCESS;
@@ -251,16 +261,19 @@ bool timeline_launch_grid(timeline *t, const char *stage, const kernel *k, const
     return launch(t, stage, k, units, NULL, values, err);
 }
 
-bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
-                   size_t to, duet_error *err)
+// ---------------------------------------------------------------- in place
+
+static bool is_in_place(const timeline *t, const buffer *b)
 {
-    if (from == to)
-        return true;
-    cl_event event = NULL;
-    cl_int code =
-        clEnqueueFillBuffer(t->device->queue, b->mem, &value, sizeof value, from * sizeof value,
-                            (to - from) * sizeof value, 0, NULL, t->untimed ? NULL : &event);
-    return went_well(t, code, "filling a buffer", err) && keep_command(t, stage, event, err);
+    return b->host && (t->device->quirks & DRIVER_IN_PLACE);
+}
+
+// Whether the host may change the buffer itself, which a command would wake a CPU's threads for:
+// it has seen the end of all that it sent. Another timeline's commands on the queue are waited for.
+static bool lies_still(const timeline *t, const buffer *b)
+{
+    return is_in_place(t, b) && t->sent == SENT_SEEN && !t->beside &&
+           clFinish(t->device->queue) == CL_SUCCESS;
 }
 
 // If kernels work in place, the host sees all once the queue is empty.
@@ -268,7 +281,39 @@ static bool await_queue(timeline *t, duet_error *err)
 {
     cl_int code = clFinish(t->device->queue);
     t->sent = code == CL_SUCCESS ? SENT_SEEN : SENT_UNTOLD;
+    if (code == CL_SUCCESS)
+        take_asked(t);
     return went_well(t, code, "running the step", err);
+}
+
+// Reads when the host waits next.
+static bool ask_in_place(timeline *t, const buffer *b, size_t at, void *to, size_t bytes)
+{
+    if (!is_in_place(t, b) || t->n_asked == TIMELINE_ASKED)
+        return false;
+    t->asked[t->n_asked].from = (const char *)b->host + at;
+    t->asked[t->n_asked].to = to;
+    t->asked[t->n_asked++].bytes = bytes;
+    return true;
+}
+
+// ---------------------------------------------------------------- copies
+
+bool timeline_fill(timeline *t, const char *stage, buffer *b, uint32_t value, size_t from,
+                   size_t to, duet_error *err)
+{
+    if (from == to)
+        return true;
+    if (lies_still(t, b)) {
+        for (size_t i = from; i < to; ++i)
+            ((uint32_t *)b->host)[i] = value;
+        return true;
+    }
+    cl_event event = NULL;
+    cl_int code =
+        clEnqueueFillBuffer(t->device->queue, b->mem, &value, sizeof value, from * sizeof value,
+                            (to - from) * sizeof value, 0, NULL, t->untimed ? NULL : &event);
+    return went_well(t, code, "filling a buffer", err) && keep_command(t, stage, event, err);
 }
 
 // Hands wrapped host memory from one side to the other without moving it. A wait here costs a
@@ -302,6 +347,10 @@ bool timeline_write_at(timeline *t, const char *stage, buffer *b, size_t at, con
 {
     if (bytes == 0)
         return true;
+    if (lies_still(t, b)) {
+        memcpy((char *)b->host + at, from, bytes);
+        return true;
+    }
     cl_event event = NULL;
     cl_int code =
         clEnqueueWriteBuffer(t->device->queue, b->mem, CL_FALSE, at, bytes, from, 0, NULL, &event);
@@ -350,6 +399,8 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
     t->n_waits += wait;
     if (b->host == to)
         return hand_over(t, b, CL_MAP_READ, bytes, wait, err);
+    if (ask_in_place(t, b, at, to, bytes))
+        return !wait || await_queue(t, err);
     cl_event event = NULL;
     cl_int code =
         clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);

@@ -13,7 +13,8 @@ enum {
     TIMELINE_STAGES = 24,
     TIMELINE_SEEN = 4,
     TIMELINE_TIMED_EVERY = 16,
-    TIMELINE_TIED = 4
+    TIMELINE_TIED = 4,
+    TIMELINE_ASKED = 4
 };
 
 // The commands that were sent, as far as the host knows.
@@ -31,6 +32,12 @@ typedef struct timeline {
         uint64_t sent_ns; // by the host's clock; not before it was queued
     } events[TIMELINE_EVENTS];
     int n_events;
+    struct {
+        const char *from;
+        void *to;
+        size_t bytes;
+    } asked[TIMELINE_ASKED]; // reads of memory that the host has, done when it waits
+    int n_asked;
     duet_stage stages[TIMELINE_STAGES]; // in order of first appearance
     bool on_host[TIMELINE_STAGES];      // stages that the host timed
     int n_stages;
@@ -99,7 +106,7 @@ bool timeline_read_beside(timeline *t, const char *stage, buffer *b, void *to, s
 bool timeline_follow(timeline *t, cl_event beside, duet_error *err);
 
 // Reads from byte `at` without waiting: the bytes are there once a later read has
-// waited, or the timeline has finished.
+// waited, or the timeline has finished. No kernel may change them before that.
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
                          size_t bytes, duet_error *err);
 

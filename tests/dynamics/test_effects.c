@@ -352,7 +352,7 @@ static const char *const kernels[] = {"integrate_free_flight",
                                       "prepare_contacts",
                                       "bodies",
                                       "solve_contacts",
-                                      "solve_few",
+                                      "solve_substeps",
                                       "integrate_positions",
                                       "contact_events",
                                       "awake"};

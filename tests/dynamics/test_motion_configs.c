@@ -23,9 +23,9 @@ static bool are_round; // every other body, a sphere
 // ---------------------------------------------------------------- launches
 
 static const char *const names[] = {
-    "integrate_free_flight", "fat_aabbs",      "contact_graph", "build_manifolds",
-    "match_contacts",        "update_sleep",   "bodies",        "graph_colour",
-    "prepare_contacts",      "solve_contacts", "solve_few",     "integrate_positions",
+    "integrate_free_flight", "fat_aabbs",      "contact_graph",  "build_manifolds",
+    "match_contacts",        "update_sleep",   "bodies",         "graph_colour",
+    "prepare_contacts",      "solve_contacts", "solve_substeps", "integrate_positions",
     "contact_events",        "awake"};
 
 enum { KERNELS = sizeof names / sizeof *names };
@@ -113,7 +113,7 @@ static void draw_launches(rng *r)
     for (int i = 0; i < KERNELS; ++i)
         launches[i] = draw_launch(names[i], r);
     while (launch_of("prepare_contacts")->lanes < launch_of("solve_contacts")->lanes ||
-           launch_of("prepare_contacts")->lanes < launch_of("solve_few")->lanes)
+           launch_of("prepare_contacts")->lanes < launch_of("solve_substeps")->lanes)
         *launch_of("prepare_contacts") = draw_launch("prepare_contacts", r); // it fills them
 }
 

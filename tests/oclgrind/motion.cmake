@@ -35,14 +35,14 @@ endmacro()
 
 set(launched "")
 set(cases_3 # a ground is three-dimensional
-  "2 --set hills=true" "2 --set mesh=true"
+  "2 --set hills=true --variant 'auto contact_graph.WG=64'" "2 --set mesh=true"
   "2 --set carried=true --set rounded=true --set rolling=true --set belt=true"
   "2 --set mesh=true --set materials=true --set deep=true --set continuous=true")
 foreach(case ${cases_${DIMS}}
     "2 --set shocks=true"
     "3 --set sleep=true --set events=true"
     "2 --set skin=0.3 --set continuous=true --set boundary=none"
-    "2 --set sleep=true --variant 'auto solve_contacts.WG=64 graph_colour.WG=64'"
+    "2 --set sleep=true --variant 'auto solve_contacts.WG=64 graph_colour.WG=64 contact_graph.WG=64'"
     "2 --set turned=false --set filtered=true --set doubles=true"
     "2 --set origin=true --set boundary=none"
     "2 --set falling=false --set boundary=periodic"

@@ -6,6 +6,8 @@
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/scan.h"
 
+#include <string.h>
+
 enum { MOST = 300000 };
 
 // The host reads them here again once a timeline has shown them.
@@ -96,6 +98,83 @@ static void try_numbers(rng *r, bool emptying, bool grouped)
     open_bench(emptying, grouped);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
         try_scan(r, numbers[i], emptying);
+    close_bench();
+}
+
+// Sums are asked for, and words written and filled between launches: on some devices the host does
+// that itself.
+static void try_between(rng *r, timeline *t)
+{
+    enum { N = 5000 };
+    static uint32_t sums[N];
+    const uint32_t filled = rng_below(r, N), value = rng_below(r, 9), most = N - 1;
+    uint32_t last = 0, sum = 0;
+    for (uint32_t i = 0; i < N; ++i)
+        b.from[i] = rng_below(r, 5);
+    must(timeline_write_at(t, "send", &b.words, 0, b.from, N * sizeof *b.from, ERR));
+    must(timeline_fill(t, "fill", &b.words, value, filled, N, ERR));
+    must(scan_run(&b.s, t, "scan", &b.words, &b.words, N, ERR));
+    must(timeline_start_read(t, "see", &b.words, 0, sums, sizeof sums, ERR));
+    must(timeline_read_at(t, "see", &b.words, most * sizeof last, &last, sizeof last, ERR));
+    for (uint32_t i = 0; i < N; ++i) {
+        assert_int_equal(sums[i], sum);
+        sum += i < filled ? b.from[i] : value;
+    }
+    assert_int_equal(last, sums[most]);
+}
+
+TEST(the_host_reads_writes_and_fills_between_launches)
+{
+    rng r = {test_seed()};
+    timeline t = {0};
+    uint32_t first = 0;
+    open_bench(false, false);
+    timeline_begin(&t, &b.d, true);
+    for (int round = 0; round < 4; ++round)
+        try_between(&r, &t);
+    must(scan_run(&b.s, &t, "scan", &b.words, &b.words, 1, ERR));
+    must(timeline_start_read(&t, "see", &b.words, 0, &first, sizeof first, ERR));
+    first = 1;
+    must(timeline_finish(&t, ERR));
+    assert_int_equal(first, 0);
+    close_bench();
+}
+
+// Memory of this size goes back to the system as soon as it is freed, and the next buffers get it.
+enum { LARGE = 64 << 20, MARK = 0x55 };
+
+static void expect_marks(const buffer *of)
+{
+    const unsigned char *bytes = of->host;
+    size_t n = 0;
+    while (n < of->bytes && bytes[n] == MARK)
+        ++n;
+    assert_int_equal(n, of->bytes);
+}
+
+// A buffer grows while a launch waits that writes to it: what then lies there is another's.
+TEST(memory_is_kept_until_no_launch_uses_it)
+{
+    cl_int code = CL_SUCCESS;
+    timeline t = {0};
+    open_bench(false, false);
+    timeline_begin(&t, &b.d, true);
+    must(buffer_reserve(&b.words, &b.d, LARGE, ERR));
+    for (uint32_t i = 0; i < MOST; ++i)
+        ((uint32_t *)b.words.host)[i] = 1;
+    cl_event gate = must(clCreateUserEvent(b.d.context, &code));
+    must(timeline_follow(&t, gate, ERR));
+    must(scan_run(&b.s, &t, "scan", &b.words, &b.words, MOST, ERR));
+    must(timeline_flush(&t, ERR));
+    must(buffer_reserve(&b.words, &b.d, 2 * (size_t)LARGE, ERR));
+    must(buffer_reserve(&b.sums, &b.d, LARGE, ERR));
+    memset(b.words.host, MARK, b.words.bytes);
+    memset(b.sums.host, MARK, b.sums.bytes);
+    assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
+    must(timeline_finish(&t, ERR));
+    expect_marks(&b.words);
+    expect_marks(&b.sums);
+    clReleaseEvent(gate);
     close_bench();
 }
 

@@ -1,26 +1,31 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "all substeps of few bodies and contacts, by one work-group",
+  about = "all substeps of a step: by a team of a CPU's groups, or of few bodies and contacts by one group",
   uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
     "dynamics/float_vector.clh", "dynamics/turn.clh", "dynamics/listed.clh", "dynamics/accelerate.clh",
-    "dynamics/move_bodies.clh", "dynamics/colour_parts.clh", "dynamics/solve_constraint.clh" },
+    "dynamics/move_bodies.clh", "dynamics/team.clh", "dynamics/colour_parts.clh", "dynamics/sweep_parts.clh", "dynamics/solve_constraint.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURNS, common.GYRO, common.GRAVITY, common.DRAG, common.FORCES, common.SLEEP,
     common.FRICTION, common.CONTACT_RESPONSE, common.CONVEYS, common.ROLLING,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts and bodies side by side in a work-item" },
-    common.BLOCK, common.ROUNDED,
+    common.BLOCK, common.ROUNDED, common.TEAM,
+    { "MEET", values = { 0, 1 }, default = 0, silent = true, about = "1: groups that all run at once meet" },
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items of the group" },
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
       about = "contacts a work-item" },
   },
   args = {
-    solve_few = [[
+    solve_substeps = [[
       const uint4 *spans
+      int4 span
+      uint from_colour
       uint to_colour
-      uint substeps
+      uint n_substeps
       float *blocks
+      volatile uint *team     if TEAM == 1 or MEET == 1
+      uint stage              if TEAM == 1
       float4 *bodies
       uint n
       const uint *awake       if SLEEP == 1
