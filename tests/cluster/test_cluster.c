@@ -40,6 +40,49 @@ TEST(ranks_with_devices_find_the_pairs_of_run)
     assert_same_pairs("spheres -n 900 --set world=14", 2, 3);
 }
 
+// ---------------------------------------------------------------- pictures
+
+static void assert_same_file(const char *path, const char *other)
+{
+    text files[2] = {{0}};
+    must(text_read_file(&files[0], path, ERR));
+    must(text_read_file(&files[1], other, ERR));
+    assert_true(files[0].length > 1000);
+    assert_int_equal(files[0].length, files[1].length);
+    assert_memory_equal(files[0].chars, files[1].chars, files[0].length);
+    text_free(&files[0]);
+    text_free(&files[1]);
+}
+
+static void draw(const char *command, const char *options)
+{
+    program p = program_run("%s %s", command, options);
+    assert_string_equal(p.err, "");
+    assert_int_equal(p.exit_code, 0);
+}
+
+// Rank 0 draws all ranks' bodies, byte for byte as one motion is drawn.
+TEST(pictures_of_ranks_are_those_of_run)
+{
+    skip_without_mpi();
+    draw("run falling -n 200 --steps 20", "--picture one.png --frames one");
+    draw("cluster falling -n 200 --steps 20 --ranks 3",
+         "--picture many.png --frames many --format png");
+    assert_same_file("one.png", "many.png");
+    assert_same_file("one/00000.png", "many/00000.png");
+    assert_same_file("one/00010.png", "many/00010.png");
+    assert_true(access("one/00011.png", F_OK) != 0 && access("many/00011.png", F_OK) != 0);
+    draw("cluster falling -n 200 --steps 8 --ranks 2", "--checkpoint picture.ck");
+    draw("cluster falling -n 200 --steps 20 --ranks 2", "--resume picture.ck --picture many.png");
+    assert_same_file("one.png", "many.png");
+    remove("picture.ck");
+    program_assert_refused(program_run("cluster falling -n 9 --steps 2 --picture a.jpg"), 2,
+                           "--picture: the name of a run's picture ends with .png");
+    program_assert_refused(
+        program_run("cluster falling -n 9 --steps 2 --ranks 2 --picture no/a.png"), 1,
+        "no/a.png: cannot be written: No such file or directory");
+}
+
 // ---------------------------------------------------------------- how often ghosts come
 
 static cJSON *move(const char *variables, const char *arguments)
