@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/cluster/rank_motion.h"
 
+#include "cli/cluster/rank_check.h"
 #include "cli/cluster/rank_frames.h"
 #include "cli/cluster/rank_picture.h"
 #include "cli/cluster/rank_tune.h"
@@ -24,6 +25,7 @@ typedef struct moved {
     const char *scene;
     rank_frames frames;
     rank_picture pictures;
+    rank_check check;
     rank_tune tune;
     duet_grade grade; // of what the store knows of the ranks
     duet_cluster_motion_result last;
@@ -77,13 +79,13 @@ static bool choose_ghosts(moved *r, duet_error *err)
     return true;
 }
 
-static bool begin_pictures(moved *r, const scene_settings *settings, duet_error *err)
+// Pictures and a check are of the same scene, which rank 0 reads again.
+static bool begin_beside(moved *r, const moving_start *start, duet_error *err)
 {
-    const moving_start start = {.path = r->scene,
-                                .settings = settings->list,
-                                .n_settings = settings->n,
-                                .pair = r->cluster->def.world.pair};
-    return rank_picture_begin(&r->pictures, &r->cluster->ranks, r->cluster->moving, &start, err);
+    ranks *all = &r->cluster->ranks;
+    moving *motion = r->cluster->moving;
+    return rank_picture_begin(&r->pictures, all, motion, start, err) &&
+           (!r->args->check || rank_check_begin(&r->check, r->cluster, all, motion, start, err));
 }
 
 static bool begin(moved *r, duet_error *err)
@@ -91,9 +93,14 @@ static bool begin(moved *r, duet_error *err)
     scene_settings settings;
     const char *resume = file_to_resume(r);
     bool ok = inputs_make_settings(&settings, &r->args->scene, err);
+    const moving_start start = {.path = r->scene,
+                                .settings = settings.list,
+                                .n_settings = settings.n,
+                                .resume = resume,
+                                .pair = r->cluster->def.world.pair};
     ok = ranks_agree(&r->cluster->ranks, ok, err) &&
          duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume, err) &&
-         take_begin(r, resume, err) && choose_ghosts(r, err) && begin_pictures(r, &settings, err);
+         take_begin(r, resume, err) && choose_ghosts(r, err) && begin_beside(r, &start, err);
     inputs_free_settings(&settings);
     return ok;
 }
@@ -128,7 +135,8 @@ static bool run_steps(moved *r, duet_error *err)
 {
     bool ok, tells = duet_cluster_get_rank(r->cluster) == 0;
     progress p = progress_begin("step", r->args->steps);
-    ok = add_frames(r, err) && rank_picture_draw(&r->pictures, r->last.step, err);
+    ok = rank_check_compare(&r->check, err) && add_frames(r, err) &&
+         rank_picture_draw(&r->pictures, r->last.step, err);
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
         ok = rank_tune_before(&r->tune, err) && duet_cluster_advance(r->cluster, &r->last, err);
         rank_tune_after(&r->tune, r->last.total_ms);
@@ -140,7 +148,7 @@ static bool run_steps(moved *r, duet_error *err)
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
         r->is_stopped = stops > 0;
-        ok = ok && add_frames(r, err) &&
+        ok = ok && rank_check_compare(&r->check, err) && add_frames(r, err) &&
              save(r, r->is_stopped || r->last.step == r->args->steps, err);
         if (tells)
             show_step(r, &p);
@@ -175,6 +183,8 @@ static bool report(const moved *r, duet_error *err)
         json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
                  NUMBER("slowest_rank", last->slowest_rank));
     json_add_hash(o, r->hash);
+    if (r->args->check)
+        json_add(o, FLAG("equal", true)); // else it has failed
     return rendering_tell(o, r->args->json, "cli/report/ranks_motion.lua", err);
 }
 
@@ -203,5 +213,6 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
          (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
     rank_frames_end(&r.frames);
     rank_picture_end(&r.pictures);
+    rank_check_end(&r.check);
     return ok;
 }
