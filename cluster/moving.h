@@ -55,6 +55,10 @@ uint32_t moving_get_every(const moving *m);
 bool moving_set_every(moving *m, uint32_t every, duet_error *own);
 bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
 
+// Makes *whole a motion of all bodies on rank 0, to be destroyed, and NULL on others. A rank may
+// have failed alone after it.
+bool moving_gather(moving *m, duet_motion **whole, duet_error *own);
+
 // Rank 0 writes all of it into one file, for which it needs memory for all bodies.
 bool moving_save(moving *m, const char *path, duet_error *own);
 moving_counts moving_get_counts(const moving *m);

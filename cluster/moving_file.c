@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A motion over ranks as a file: the saved motion (docs/formats.md) of all bodies in the order of
 // their ids, so that its bytes are the same for any number of ranks, and any number goes on from
-// it.
+// it; and as one motion on rank 0.
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
@@ -93,8 +93,9 @@ static void list_own(const moving *m, item_list *bodies, item_list *contacts, du
 
 // ---------------------------------------------------------------- on rank 0
 
-static void save_all(moving *m, const char *path, const parcels *bodies, const parcels *contacts,
-                     duet_error *own)
+// A motion of all bodies, as if it had made the steps.
+static duet_motion *make_whole(moving *m, const parcels *bodies, const parcels *contacts,
+                               duet_error *own)
 {
     moving_domain whole = {
         .motion = moving_create(m, own),
@@ -102,34 +103,41 @@ static void save_all(moving *m, const char *path, const parcels *bodies, const p
         .contacts = {.items = contacts->rows, .n = contacts->n},
     };
     if (!whole.motion)
-        return;
+        return NULL;
     moving_replace(m, &whole, own);
     if (is_well(own) && domain_make_bounds(whole.motion, own) &&
-        domain_lay_rows(whole.motion, own)) {
-        if (m->n_commands > 0)
-            motion_alter_all(whole.motion);
-        duet_motion_save(whole.motion, path, own);
-    }
-    duet_motion_destroy(whole.motion);
+        domain_lay_rows(whole.motion, own) && m->n_commands > 0)
+        motion_alter_all(whole.motion);
+    return whole.motion;
 }
 
-bool moving_save(moving *m, const char *path, duet_error *own)
+bool moving_gather(moving *m, duet_motion **whole, duet_error *own)
 {
     item_list bodies = {0}, contacts = {0};
     parcels all_bodies = {0}, all_contacts = {0};
+    *whole = NULL;
     if (!moving_settle(m, own))
         return false;
     list_own(m, &bodies, &contacts, own);
     bool ok = gather(m, &bodies, m->body_bytes, &all_bodies, own) &&
               gather(m, &contacts, m->contact_bytes, &all_contacts, own);
     if (ok && is_well(own) && m->ranks->self == 0)
-        save_all(m, path, &all_bodies, &all_contacts, own);
-    ok = ok && ranks_agree(m->ranks, is_well(own), own);
+        *whole = make_whole(m, &all_bodies, &all_contacts, own);
     free(bodies.items);
     free(contacts.items);
     parcels_end(&all_bodies);
     parcels_end(&all_contacts);
     return ok;
+}
+
+bool moving_save(moving *m, const char *path, duet_error *own)
+{
+    duet_motion *whole;
+    bool ok = moving_gather(m, &whole, own);
+    if (ok && is_well(own) && whole)
+        duet_motion_save(whole, path, own);
+    duet_motion_destroy(whole);
+    return ok && ranks_agree(m->ranks, is_well(own), own);
 }
 
 // ---------------------------------------------------------------- loading

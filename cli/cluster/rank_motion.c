@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "cli/cluster/rank_motion.h"
 
+#include "cli/cluster/rank_check.h"
 #include "cli/cluster/rank_frames.h"
+#include "cli/cluster/rank_picture.h"
 #include "cli/cluster/rank_tune.h"
 
 #include "base/budget.h"
@@ -22,6 +24,8 @@ typedef struct moved {
     const cluster_arguments *args;
     const char *scene;
     rank_frames frames;
+    rank_picture pictures;
+    rank_check check;
     rank_tune tune;
     duet_grade grade; // of what the store knows of the ranks
     duet_cluster_motion_result last;
@@ -75,14 +79,28 @@ static bool choose_ghosts(moved *r, duet_error *err)
     return true;
 }
 
+// Pictures and a check are of the same scene, which rank 0 reads again.
+static bool begin_beside(moved *r, const moving_start *start, duet_error *err)
+{
+    ranks *all = &r->cluster->ranks;
+    moving *motion = r->cluster->moving;
+    return rank_picture_begin(&r->pictures, all, motion, start, err) &&
+           (!r->args->check || rank_check_begin(&r->check, r->cluster, all, motion, start, err));
+}
+
 static bool begin(moved *r, duet_error *err)
 {
     scene_settings settings;
     const char *resume = file_to_resume(r);
     bool ok = inputs_make_settings(&settings, &r->args->scene, err);
+    const moving_start start = {.path = r->scene,
+                                .settings = settings.list,
+                                .n_settings = settings.n,
+                                .resume = resume,
+                                .pair = r->cluster->def.world.pair};
     ok = ranks_agree(&r->cluster->ranks, ok, err) &&
          duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume, err) &&
-         take_begin(r, resume, err) && choose_ghosts(r, err);
+         take_begin(r, resume, err) && choose_ghosts(r, err) && begin_beside(r, &start, err);
     inputs_free_settings(&settings);
     return ok;
 }
@@ -105,12 +123,20 @@ static void show_step(const moved *r, progress *p)
     progress_show(p, last->step);
 }
 
-// A rank that is asked to stop stops all.
+static bool add_frames(moved *r, duet_error *err)
+{
+    return rank_frames_add(&r->frames, r->last.step, err) &&
+           rank_picture_add(&r->pictures, r->last.step, err);
+}
+
+// A rank that is asked to stop stops all. The picture is drawn at the start too: what cannot be
+// written is told at once.
 static bool run_steps(moved *r, duet_error *err)
 {
     bool ok, tells = duet_cluster_get_rank(r->cluster) == 0;
     progress p = progress_begin("step", r->args->steps);
-    ok = rank_frames_add(&r->frames, r->last.step, err);
+    ok = rank_check_compare(&r->check, err) && add_frames(r, err) &&
+         rank_picture_draw(&r->pictures, r->last.step, err);
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
         ok = rank_tune_before(&r->tune, err) && duet_cluster_advance(r->cluster, &r->last, err);
         rank_tune_after(&r->tune, r->last.total_ms);
@@ -122,7 +148,7 @@ static bool run_steps(moved *r, duet_error *err)
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
         r->is_stopped = stops > 0;
-        ok = ok && rank_frames_add(&r->frames, r->last.step, err) &&
+        ok = ok && rank_check_compare(&r->check, err) && add_frames(r, err) &&
              save(r, r->is_stopped || r->last.step == r->args->steps, err);
         if (tells)
             show_step(r, &p);
@@ -157,6 +183,8 @@ static bool report(const moved *r, duet_error *err)
         json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
                  NUMBER("slowest_rank", last->slowest_rank));
     json_add_hash(o, r->hash);
+    if (r->args->check)
+        json_add(o, FLAG("equal", true)); // else it has failed
     return rendering_tell(o, r->args->json, "cli/report/ranks_motion.lua", err);
 }
 
@@ -173,13 +201,18 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
                      duet_error *err)
 {
     moved r = {.cluster = cluster, .args = args, .scene = scene};
-    if (!begin(&r, err))
-        return false;
+    const char *pieces = args->frames && strcmp(args->format, "vtu") == 0 ? args->frames : NULL;
+    r.pictures.file = args->picture;
+    r.pictures.folder = pieces ? NULL : args->frames;
+    bool ok = begin(&r, err);
     interrupt_react(INTERRUPT_AWAITED);
-    bool ok = rank_frames_begin(&r.frames, args->frames, cluster, err) && run_steps(&r, err) &&
-              rank_tune_end(&r.tune, err) && duet_cluster_get_state_hash(cluster, &r.hash, err) &&
-              ranks_agree(&cluster->ranks, tell(&r, err), err) &&
-              (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
+    ok = ok && rank_frames_begin(&r.frames, pieces, cluster, err) && run_steps(&r, err) &&
+         rank_tune_end(&r.tune, err) && duet_cluster_get_state_hash(cluster, &r.hash, err) &&
+         rank_picture_draw(&r.pictures, r.last.step, err) &&
+         ranks_agree(&cluster->ranks, tell(&r, err), err) &&
+         (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
     rank_frames_end(&r.frames);
+    rank_picture_end(&r.pictures);
+    rank_check_end(&r.check);
     return ok;
 }

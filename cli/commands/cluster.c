@@ -38,9 +38,12 @@ static const option options[] = {
     OPTION_COUNT("repeat", repeat, "K", "steps that are timed, after one to warm up (5)", 1,
                  100000),
     OPTION_COUNT("steps", steps, "K", "advance a moving scene to step K", 1, 1000000000),
-    OPTION_FLAG("tune-colours", tune_colours, "find how often ghosts come best, and keep it for such ranks"),
+    OPTION_FLAG("tune-colours", tune_colours,
+                "find how often ghosts come best, and keep it for such ranks"),
+    OPTION_LATER("picture", picture, "F.png", "draw the scene after the last step, on rank 0"),
     OPTION_TEXT("frames", frames, "DIR", "write 30 frames a second of the scene"),
-    OPTION_TEXT("format", format, "F", "what frames are: vtu, which ParaView opens"),
+    OPTION_TEXT("format", format, "F",
+                "what frames are: vtu, which ParaView opens, or png, drawn on rank 0"),
     OPTION_LATER("checkpoint", checkpoint, "F", "save the bodies in file F after the steps"),
     OPTION_COUNT("every", every, "K", "save them after each K steps, too", 1, 1000000000),
     OPTION_TEXT("resume", resume, "F",
@@ -48,7 +51,7 @@ static const option options[] = {
     OPTION_FLAG("resident", resident, "leave the objects where they are between the steps"),
     OPTION_LATER("pairs", pairs_path, "P.npy", "write the pairs of all ranks into one file"),
     OPTION_FLAG("sorted", sorted, "write them ascending: the same bytes for any number of ranks"),
-    OPTION_FLAG("check", check, "compare the pairs' number and hash with the plain C reference"),
+    OPTION_FLAG("check", check, "compare pairs with the plain C reference, or each step with one motion"),
     OPTION_INPUT("simulate", simulate, "P.xml",
                  "simulate the ranks, with the plain C reference, on SimGrid's platform"),
     OPTION_TEXT("profile", profile, "UID",
@@ -64,7 +67,7 @@ static const option_rule rules[] = {
     {"hosts verbose simulate", OPTION_NEEDS, "ranks"},
     {"sorted", OPTION_NEEDS, "pairs"},
     {"every", OPTION_NEEDS, "checkpoint"},
-    {"checkpoint resume frames tune-colours", OPTION_NEEDS, "steps"},
+    {"checkpoint resume picture frames tune-colours", OPTION_NEEDS, "steps"},
     {"share mode variant variant-a variant-b", OPTION_EXCLUDES, "tune-colours"},
     {"frames", OPTION_NEEDS, "format"},
     {"format", OPTION_NEEDS, "frames"},
@@ -74,7 +77,7 @@ static const option_rule rules[] = {
     {"pair share mode variant variant-a variant-b", OPTION_EXCLUDES, "plain"},
     {"pair share mode variant variant-a variant-b hosts verbose", OPTION_EXCLUDES, "simulate"},
     {"check pairs", OPTION_EXCLUDES, "profile"},
-    {"repeat resident pairs check level weights plain simulate", OPTION_EXCLUDES, "steps"},
+    {"repeat resident pairs level weights plain simulate", OPTION_EXCLUDES, "steps"},
     {0},
 };
 
@@ -85,8 +88,10 @@ static const char *refuse(const void *given, char **operands)
     (void)operands;
     if (args->hosts && !*args->hosts)
         return "--hosts: expected names of machines, as one,two";
-    if (args->format && strcmp(args->format, "vtu") != 0)
-        return "--format: give vtu (bodies for ParaView)";
+    if (args->picture && !text_ends_with(args->picture, ".png"))
+        return "--picture: the name of a run's picture ends with .png";
+    if (args->format && strcmp(args->format, "vtu") != 0 && strcmp(args->format, "png") != 0)
+        return "--format: give vtu (bodies for ParaView) or png (pictures)";
     return args->pairs_path && (length < 5 || strcmp(args->pairs_path + length - 4, ".npy") != 0)
                ? "--pairs: expected a file whose name ends in .npy"
                : NULL;

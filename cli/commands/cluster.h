@@ -15,13 +15,14 @@ typedef struct cluster_arguments {
     const char *hosts;   // to start ranks on; NULL: this machine
     const char *pairs_path;
     const char *checkpoint, *resume; // files of a motion
+    const char *picture;             // a file; NULL: none
     const char *frames;              // a folder; NULL: none
     const char *format;              // that frames have
-    const char *simulate; // a platform; NULL: ranks are real
-    const char *profile;  // gives the times of simulated ranks; NULL: they find pairs
-    uint64_t stands_for;  // objects that each object stands for
-    uint64_t parts;       // that each rank's objects are searched in
-    uint64_t ranks;       // to start; 0: this is one of those that there are
+    const char *simulate;            // a platform; NULL: ranks are real
+    const char *profile;             // gives the times of simulated ranks; NULL: they find pairs
+    uint64_t stands_for;             // objects that each object stands for
+    uint64_t parts;                  // that each rank's objects are searched in
+    uint64_t ranks;                  // to start; 0: this is one of those that there are
     uint64_t repeat;
     uint64_t steps; // 0: nothing moves
     uint64_t every; // steps from one checkpoint to the next; 0: one at the end

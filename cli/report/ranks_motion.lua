@@ -16,6 +16,7 @@ return function(o)
   if o.slowest_part and o.ranks > 1 then
     row("slowest", ("%.2f"):format(o.slowest_part), ("times the mean rank's work a step; rank %.0f last"):format(o.slowest_rank))
   end
+  if o.equal then row("check", "equal", "to one motion, in each step") end
   line("state hash %s", o.hash)
   return report.told
 end

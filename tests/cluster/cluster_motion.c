@@ -566,17 +566,29 @@ static void checkpoints_know_no_ranks(void)
 
 // ---------------------------------------------------------------- failures
 
-static void what_is_not_there_is_refused(void)
+// Nothing moves then.
+static void must_refuse(const char *path, duet_status status, const char *says)
 {
-    static const char path[] = "no_such_scene.lua";
     duet_cluster_motion_result result;
     duet_cluster *c = cluster_of(2, duet_default_cluster_def());
     if (!c)
         return;
-    must_fail(duet_cluster_begin_motion(c, path, NULL, 0, NULL, ERR), DUET_STATUS_NOT_FOUND, path);
+    must_fail(duet_cluster_begin_motion(c, path, NULL, 0, NULL, ERR), status, says);
     must_fail(duet_cluster_advance(c, &result, ERR), DUET_STATUS_BAD_ARGUMENT,
               "expected duet_cluster_begin_motion first");
     duet_cluster_destroy(c);
+}
+
+static void what_is_not_there_is_refused(void)
+{
+    must_refuse("no_such_scene.lua", DUET_STATUS_NOT_FOUND, "no_such_scene.lua");
+}
+
+static void a_carried_mesh_is_refused(void)
+{
+    must_refuse("drum", DUET_STATUS_BAD_ARGUMENT,
+                "a mesh that a body carries is not for several domains yet; expected one without a "
+                "carrier");
 }
 
 // ---------------------------------------------------------------- colours
@@ -959,6 +971,7 @@ int main(int argc, char **argv)
         rows_move_with_their_bodies();
     }
     what_is_not_there_is_refused();
+    a_carried_mesh_is_refused();
     checkpoints_know_no_ranks();
     borders_change_nothing(seed);
     colours_between_change_nothing(seed);

@@ -11,10 +11,12 @@
 #include "profiles/duet_profiles.h"
 #include "profiles/sql.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool asks_all;
@@ -38,6 +40,112 @@ TEST(ranks_with_devices_find_the_pairs_of_run)
     assert_same_pairs("paper -n 900 --set world=18", 2, 1);
     assert_same_pairs("paper2d -n 900 --set world=40", 3, 4);
     assert_same_pairs("spheres -n 900 --set world=14", 2, 3);
+}
+
+// ---------------------------------------------------------------- pictures
+
+static void assert_same_file(const char *path, const char *other)
+{
+    text files[2] = {{0}};
+    must(text_read_file(&files[0], path, ERR));
+    must(text_read_file(&files[1], other, ERR));
+    assert_true(files[0].length > 1000);
+    assert_int_equal(files[0].length, files[1].length);
+    assert_memory_equal(files[0].chars, files[1].chars, files[0].length);
+    text_free(&files[0]);
+    text_free(&files[1]);
+}
+
+static void draw(const char *command, const char *options)
+{
+    program p = program_run("%s %s", command, options);
+    assert_string_equal(p.err, "");
+    assert_int_equal(p.exit_code, 0);
+}
+
+// Rank 0 draws all ranks' bodies, byte for byte as one motion is drawn.
+TEST(pictures_of_ranks_are_those_of_run)
+{
+    skip_without_mpi();
+    draw("run falling -n 200 --steps 20", "--picture one.png --frames one");
+    draw("cluster falling -n 200 --steps 20 --ranks 3",
+         "--picture many.png --frames many --format png");
+    assert_same_file("one.png", "many.png");
+    assert_same_file("one/00000.png", "many/00000.png");
+    assert_same_file("one/00010.png", "many/00010.png");
+    assert_true(access("one/00011.png", F_OK) != 0 && access("many/00011.png", F_OK) != 0);
+    draw("cluster falling -n 200 --steps 8 --ranks 2", "--checkpoint picture.ck");
+    draw("cluster falling -n 200 --steps 20 --ranks 2", "--resume picture.ck --picture many.png");
+    assert_same_file("one.png", "many.png");
+    remove("picture.ck");
+    program_assert_refused(program_run("cluster falling -n 9 --steps 2 --picture a.jpg"), 2,
+                           "--picture: the name of a run's picture ends with .png");
+    program_assert_refused(
+        program_run("cluster falling -n 9 --steps 2 --ranks 2 --picture no/a.png"), 1,
+        "no/a.png: cannot be written: No such file or directory");
+}
+
+// ---------------------------------------------------------------- compared with one motion
+
+#define READ_TWICE "read_twice.lua"
+
+// Boxes slide, one of them with that friction.
+static void write_sliding(const char *path, double friction)
+{
+    text scene = {0};
+    text_add(&scene,
+             "for i = 0, 26 do\n"
+             "  add { centre = { 1.2 * (i %% 3), 1.2 * (i // 3 %% 3), 0.6 + 1.1 * (i // 9) },\n"
+             "        half_extents = { 0.5, 0.5, 0.5 }, velocity = { 0.5, 0, 0 },\n"
+             "        friction = i == 5 and %g or 0.5 }\n"
+             "end\n"
+             "return { dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+             "         wants = { 'contact_response', 'friction' },\n"
+             "         world = { lower = { -3, -3, 0 }, upper = { 7, 7, 8 } } }\n",
+             friction);
+    must(text_write_file(path, text_chars(&scene), scene.length, ERR));
+    text_free(&scene);
+}
+
+// Runs it with a scene that the ranks read first and rank 0's one motion second.
+static program check_two(const char *first, const char *second)
+{
+    char writer[200];
+    remove(READ_TWICE);
+    must(mkfifo(READ_TWICE, 0600) == 0);
+    snprintf(writer, sizeof writer,
+             "timeout 60 sh -c 'cat %s >" READ_TWICE "; sleep 0.3; cat %s >" READ_TWICE "' &",
+             first, second);
+    must(system(writer) == 0);
+    program p = program_run("cluster " READ_TWICE " --steps 20 --ranks 2 --check --json");
+    remove(READ_TWICE);
+    return p;
+}
+
+// Friction is in no state, so the motions part in the step in which it first acts.
+TEST(the_first_step_stage_and_body_that_differ_from_one_motion_are_named)
+{
+    skip_without_mpi();
+    write_sliding("rough.lua", 0.5);
+    write_sliding("smooth.lua", 0.4);
+    program same = check_two("rough.lua", "rough.lua");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(json_of_program(&same), "equal")));
+    program p = check_two("rough.lua", "smooth.lua");
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.err, ", solver, body 5: "));
+    assert_non_null(strstr(p.err, ": one motion and 2 ranks\n"));
+    uint64_t step = 0, first = 0;
+    assert_int_equal(sscanf(strstr(p.err, "different: step "), "different: step %" SCNu64, &step),
+                     1);
+    for (uint64_t k = 1; k <= 20 && first == 0; ++k) {
+        program rough = program_run("run rough.lua --steps %d --json", (int)k);
+        program smooth = program_run("run smooth.lua --steps %d --json", (int)k);
+        first = strcmp(json_string(json_of_program(&rough), "hash"),
+                       json_string(json_of_program(&smooth), "hash")) != 0
+                    ? k
+                    : 0;
+    }
+    assert_true(step > 0 && step == first);
 }
 
 // ---------------------------------------------------------------- how often ghosts come

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// A motion over ranks beside one motion of the same scene, which rank 0 moves: whether the states
+// of each step are the same, and what differs first.
+#ifndef CLI_CLUSTER_RANK_CHECK_H
+#define CLI_CLUSTER_RANK_CHECK_H
+
+#include "cluster/duet_cluster.h"
+#include "cluster/moving.h"
+
+typedef struct rank_check {
+    duet_cluster *cluster; // NULL: nothing is compared
+    ranks *ranks;
+    moving *motion;
+    duet_motion *one; // rank 0's
+} rank_check;
+
+// The motion has begun as `start` says. Collective. Call rank_check_end whatever this returns.
+bool rank_check_begin(rank_check *c, duet_cluster *cluster, ranks *r, moving *motion,
+                      const moving_start *start, duet_error *err);
+
+// Compares the states, after the step that both made unless the motion has just begun. Fails with
+// WRONG_RESULT, and a line that says what differs first. Collective.
+bool rank_check_compare(rank_check *c, duet_error *err);
+void rank_check_end(rank_check *c);
+
+#endif
