@@ -64,6 +64,24 @@ local function overhang(part)
   return bodies
 end
 
+-- Unit cubes in rows, each half on two of the row below.
+local function pyramid(rows)
+  local bodies = { floor_below(2) }
+  for row = 0, rows - 1 do
+    for i = 1, rows - row do
+      bodies[#bodies + 1] = { centre = { i - (rows - row + 1) / 2, 0, row + 0.5 }, half_extents = { 0.5, 0.5, 0.5 }, mass = 1 }
+    end
+  end
+  return bodies
+end
+
+-- A cube on one of the same size, `ratio` times as heavy.
+local function heavy_on_light(ratio)
+  local bodies = stack(2, 1)
+  bodies[2].mass, bodies[3].mass = 1, ratio
+  return bodies
+end
+
 local function tiles(speed, body)
   local bodies = {}
   for x = 0, 59 do
@@ -82,6 +100,8 @@ local scenes = {
   { name = "Jenga", bodies = jenga(1, {}), seconds = 10 },
   { name = "Jenga, 10 times, 12 out", bodies = jenga(10, twelve_out()), seconds = 10 },
   { name = "planks at 90 %", bodies = overhang(0.9), seconds = 10 },
+  { name = "pyramid of 20 rows", bodies = pyramid(20), seconds = 20 },
+  { name = "1 : 100, heavy on light", bodies = heavy_on_light(100), seconds = 5 },
 }
 for _, speed in ipairs { 1, 2, 5, 10 } do
   scenes[#scenes + 1] = { name = ("ball over tiles, %d m/s"):format(speed), seam = speed, friction = 0,
