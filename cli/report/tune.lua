@@ -2,7 +2,7 @@
 -- `duet tune` tells this at its end, of the object that --json prints.
 local report = ...
 local text, number, list, cut, count = report.text, report.number, report.list, report.cut, report.count
-local line, columns, command = report.line, report.columns, report.command
+local line, wrapped, columns, command = report.line, report.wrapped, report.columns, report.command
 
 -- A tuning that gave up has no time.
 local function gave_up(row) return number(row, "step_ms") == 0 end
@@ -41,9 +41,9 @@ end
 -- Why a plan is not loaded, and what would change that.
 local function tell_use(row)
   if row.unused == "" then return end
-  line("  not used by applications: %s", row.unused)
+  wrapped("  not used by applications: %s", row.unused)
   if gave_up(row) then
-    line("  the same command goes on from here; --wait SECONDS waits longer, --wait 0 measures beside them")
+    wrapped("  the same command goes on from here; --wait SECONDS waits longer, --wait 0 measures beside them")
   elseif row.verdict == "ambiguous" then
     line("  the same command tunes again; a larger --budget allows more rounds")
   else

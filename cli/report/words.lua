@@ -8,6 +8,19 @@ report.told = told
 
 function report.line(format, ...) told[#told + 1] = format:format(...) end
 
+-- A line that goes on below, further in, if it is wider than a terminal.
+function report.wrapped(format, ...)
+  local line
+  for word in format:format(...):gmatch("%s*%S+") do
+    if line and #line + #word > 80 then
+      told[#told + 1], line = line, "   " .. word
+    else
+      line = (line or "") .. word
+    end
+  end
+  told[#told + 1] = line
+end
+
 -- A table with these heads, if any. Returns the function that adds a row; a cell that is nil is left out.
 function report.columns(align, ...)
   local rows = { align }
