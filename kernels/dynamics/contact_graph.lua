@@ -39,15 +39,15 @@ return {
       const float *boxes
       const real4 *velocities
       const float *sensors    if SENSORS == 1
-      real4 ground_origin     if GROUND > 0
-      const float *ground_values  if GROUND == 1
-      real4 ground_spacing    if GROUND == 1
-      int4 ground_size        if GROUND == 1
-      const uint *mesh_nodes  if GROUND == 2
+      real4 ground_origin  only if GROUND > 0
+      const float *ground_values  only if GROUND == 1
+      real4 ground_spacing  only if GROUND == 1
+      int4 ground_size  only if GROUND == 1
+      const uint *mesh_nodes  only if GROUND == 2
       const real4 *centres    if CARRIED == 1
       const real4 *rotations  if CARRIED == 1
       const real4 *angular_velocities  if CARRIED == 1
-      uint carrier            if CARRIED == 1
+      uint carrier  only if CARRIED == 1
       float dt                if CARRIED == 1
       real contact_margin     if GROUND > 0
       uint n
@@ -81,15 +81,15 @@ return {
       const float *sensors    if SENSORS == 1
       real4 lower             if BOUNDARY == 1
       real4 upper             if BOUNDARY == 1
-      real4 ground_origin     if GROUND > 0
-      const float *ground_values  if GROUND == 1
-      real4 ground_spacing    if GROUND == 1
-      int4 ground_size        if GROUND == 1
-      const uint *mesh_nodes  if GROUND == 2
+      real4 ground_origin  only if GROUND > 0
+      const float *ground_values  only if GROUND == 1
+      real4 ground_spacing  only if GROUND == 1
+      int4 ground_size  only if GROUND == 1
+      const uint *mesh_nodes  only if GROUND == 2
       const real4 *centres    if CARRIED == 1
       const real4 *rotations  if CARRIED == 1
       const real4 *angular_velocities  if CARRIED == 1
-      uint carrier            if CARRIED == 1
+      uint carrier  only if CARRIED == 1
       float dt                if CARRIED == 1
       real contact_margin     if GROUND > 0
       uint n
