@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is known of a place of one domain among many, for kernels and host alike. What never moves
-// has no bit.
+// Bits that tell of a place of one domain among many, for kernels and host alike. A thing that
+// never moves has no bit.
 #ifndef KERNELS_DYNAMICS_BORDER_H
 #define KERNELS_DYNAMICS_BORDER_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a domain's host looks at of its bodies and contacts (domain_border.c,
+// Bodies and contacts of a domain that its host looks at (domain_border.c, domain_near.c,
 // kernels/dynamics/border.cl).
 #ifndef RUNTIME_BORDER_H
 #define RUNTIME_BORDER_H

@@ -163,7 +163,7 @@ bool motion_make_colours(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- stage by stage
 
-// What more than this domain's contacts decide waits still, after any number of rounds.
+// Contacts that more than this domain's decide wait still, after any number of rounds.
 bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err)
 {
     const uint32_t rounds = m->border.rounds;

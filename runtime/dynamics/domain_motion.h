@@ -104,7 +104,7 @@ void domain_drop_contacts(duet_motion *m);
 bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
                       uint32_t n, duet_error *err);
 
-// Bodies that take the place of others. Those that were there keep their states.
+// Bodies that take the place of others. If they were there before they keep their states.
 typedef struct domain_bodies {
     uint32_t n, n_fresh;
     duet_pose *poses; // [n + 1], as are bodies: the motion takes this memory

@@ -199,7 +199,7 @@ void domain_drop_contacts(duet_motion *m)
     m->graph.n_contacts = 0;
 }
 
-// Those behind others are apart from these, for both ascend by themselves.
+// Keeps contacts that are written behind others apart from these, for both ascend by themselves.
 static bool part(duet_motion *m, duet_error *err)
 {
     static const cl_uint2 none = {{NO_PLACE, NO_PLACE}};
@@ -265,7 +265,7 @@ bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body
 
 // ---------------------------------------------------------------- replaced bodies
 
-// What is by object and lasts from step to step; a step makes the rest.
+// Rows by object that last from step to step; a step makes the others.
 static const motion_buffer lasting[] = {CENTRES,
                                         CELLS,
                                         VELOCITIES,

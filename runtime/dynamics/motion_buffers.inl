@@ -64,7 +64,7 @@ BUFFER(PART_COUNTS, "part_counts", "uint *")
 BUFFER(AWAKE, "awake", "uint *")
 BUFFER(AWAKE_CONTACTS, "awake_contacts", "uint *")
 BUFFER(N_LISTED, "n_listed", "uint *")
-// of a domain: its places' ids and kinds, and the contacts that its host is told of
+// a domain's: ids and kinds of its places, and the contacts that its host is told of
 BUFFER(PLACES_OF, "places", "uint2 *")
 BUFFER(MOVED_TO, "moved", "uint *")
 BUFFER(BORDER_STARTS, "border_starts", "uint *")

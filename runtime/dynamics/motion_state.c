@@ -412,8 +412,9 @@ void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *plac
     motion_rows rows = rows_of(m, which, 0, n);
     rows.bytes = packed;
     for (size_t what = 0; what < sizeof sent / sizeof sent[0]; ++what)
-        for (uint32_t i = 0; sent[what].which == which && sent[what].from == 0 && i < n; ++i)
-            put_entry(m, what, places[i], numbers_of(&rows), &rows, i);
+        if (sent[what].which == which && sent[what].from == 0)
+            for (uint32_t i = 0; i < n; ++i)
+                put_entry(m, what, places[i], numbers_of(&rows), &rows, i);
 }
 
 bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,

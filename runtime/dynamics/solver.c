@@ -180,8 +180,10 @@ static bool have_space(const duet_motion *m, const kernel *k)
 static bool takes_substeps(const duet_motion *m, const kernel *k)
 {
     const kernel *solve = m->kernels.solve_contacts;
-    if (!k || !team_takes(k))
-        return k && have_space(m, k);
+    if (!k)
+        return false;
+    if (!team_takes(k))
+        return have_space(m, k);
     return team_takes(solve) && kernel_param(solve, "LANES") == kernel_param(k, "LANES");
 }
 

@@ -406,8 +406,10 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
         clEnqueueReadBuffer(t->device->queue, b->mem, wait, at, bytes, to, 0, NULL, &event);
     if (!moved(t, code, "fetching", bytes, err))
         return false;
-    if (wait)
+    if (wait) {
         t->sent = SENT_TOLD;
+        take_asked(t);
+    }
     return keep(t, stage, true, event, err);
 }
 

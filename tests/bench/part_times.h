@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What each device took for its part of plans, so that brute force need not launch a plan of which
-// one part alone was seen to take too long.
+// Times that each device took for its part of plans, so that brute force need not launch a plan of
+// which one part alone was seen to take too long.
 #ifndef BENCH_PART_TIMES_H
 #define BENCH_PART_TIMES_H
 

@@ -65,8 +65,8 @@ static void run_example(const char *name, const char *n)
     task_destroy(t);
 }
 
-// What is right for few items is found by Lua, and for many by the plain kernel, which finds the
-// same.
+// The right values for few items are found by Lua, and for many by the plain kernel, which finds
+// the same.
 static void run_plain(const char *name, const char *n)
 {
     const duet_setting setting = {"n", n};

@@ -306,8 +306,8 @@ TEST(a_tuning_takes_a_tenth_of_the_trials_of_brute_force)
     assert_true(off <= 0.03);
 }
 
-// Two devices of one kind. What is raced beside the single device are plans that hardly differ, and
-// it is enough to choose one; the expected one then has all rounds, so that a half each is proven
+// Two devices of one kind. The plans that are raced beside the single device hardly differ, and it
+// is enough to choose one; the expected one then has all rounds, so that a half each is proven
 // to take less than one device also at noise that hides which plan is best.
 TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
 {
