@@ -176,8 +176,8 @@ static uint32_t choose(const race *r)
 
 static void drop_slower(race *r)
 {
-    uint32_t leader = race_leader(r), chosen = choose(r);
     bool one = r->options.chosen_after > 0 && fewest_rounds(r) >= r->options.chosen_after;
+    uint32_t leader = race_leader(r), chosen = one ? choose(r) : r->n;
     for (uint32_t i = r->options.stay; i < r->n; ++i) {
         if (i == leader || r->rivals[i].out)
             continue;

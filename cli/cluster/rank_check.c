@@ -15,10 +15,10 @@ static bool begin_one(rank_check *c, const moving_start *start, duet_error *err)
     return c->one && (!start->resume || duet_motion_load(c->one, start->resume, err));
 }
 
-bool rank_check_begin(rank_check *c, duet_cluster *cluster, ranks *r, moving *motion,
-                      const moving_start *start, duet_error *err)
+bool rank_check_begin(rank_check *c, ranks *r, moving *motion, const moving_start *start,
+                      duet_error *err)
 {
-    *c = (rank_check){.cluster = cluster, .ranks = r, .motion = motion};
+    *c = (rank_check){.ranks = r, .motion = motion};
     return ranks_agree(r, r->self > 0 || begin_one(c, start, err), err);
 }
 
@@ -68,7 +68,7 @@ static bool compare(const rank_check *c, duet_error *own)
 {
     uint64_t hash = 0, differs = 0, other = 0;
     const uint64_t step = c->one ? duet_motion_get_step(c->one) : 0;
-    if (!duet_cluster_get_state_hash(c->cluster, &hash, own))
+    if (!moving_hash(c->motion, &hash, own))
         return false;
     if (c->one && follow(c, &other, own))
         differs = hash != other;
@@ -82,7 +82,7 @@ static bool compare(const rank_check *c, duet_error *own)
 bool rank_check_compare(rank_check *c, duet_error *err)
 {
     duet_error own = {0};
-    return !c->cluster || compare(c, &own) || error_copy(err, &own);
+    return !c->motion || compare(c, &own) || error_copy(err, &own);
 }
 
 void rank_check_end(rank_check *c)

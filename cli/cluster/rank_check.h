@@ -4,19 +4,17 @@
 #ifndef CLI_CLUSTER_RANK_CHECK_H
 #define CLI_CLUSTER_RANK_CHECK_H
 
-#include "cluster/duet_cluster.h"
 #include "cluster/moving.h"
 
 typedef struct rank_check {
-    duet_cluster *cluster; // NULL: nothing is compared
     ranks *ranks;
-    moving *motion;
+    moving *motion;   // NULL: nothing is compared
     duet_motion *one; // rank 0's
 } rank_check;
 
 // The motion has begun as `start` says. Collective. Call rank_check_end whatever this returns.
-bool rank_check_begin(rank_check *c, duet_cluster *cluster, ranks *r, moving *motion,
-                      const moving_start *start, duet_error *err);
+bool rank_check_begin(rank_check *c, ranks *r, moving *motion, const moving_start *start,
+                      duet_error *err);
 
 // Compares the states, after the step that both made unless the motion has just begun. Fails with
 // WRONG_RESULT, and a line that says what differs first. Collective.

@@ -85,7 +85,7 @@ static bool begin_beside(moved *r, const moving_start *start, duet_error *err)
     ranks *all = &r->cluster->ranks;
     moving *motion = r->cluster->moving;
     return rank_picture_begin(&r->pictures, all, motion, start, err) &&
-           (!r->args->check || rank_check_begin(&r->check, r->cluster, all, motion, start, err));
+           (!r->args->check || rank_check_begin(&r->check, all, motion, start, err));
 }
 
 static bool begin(moved *r, duet_error *err)
