@@ -58,6 +58,27 @@ TEST(a_task_is_run_and_checked)
     expect_says(&p, says);
 }
 
+// Only sharing is checked then, and the words say so.
+TEST(a_kernel_without_a_reference_is_compared_with_itself)
+{
+    static const struct {
+        const char *command, *says;
+    } cases[] = {
+        {"run", "right: every launch, within 1e-06 of what kernel saxpy itself finds on B alone: "
+                "only sharing is checked"},
+        {"explain", "right: as kernel saxpy itself on B alone, within 1e-06: only sharing is "
+                    "checked"},
+    };
+    char text[sizeof task_text];
+    size_t n = (size_t)(strstr(task_text, "  reference") - task_text);
+    snprintf(text, sizeof text, "%.*s}\n", (int)n, task_text);
+    test_write_file("saxpy.task.lua", text);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        program p = program_run_with(STORE, "%s --task saxpy.task.lua", cases[i].command);
+        expect_says(&p, (const char *const[]){cases[i].says, NULL});
+    }
+}
+
 TEST(a_tuned_plan_is_kept_and_used)
 {
     const char *const says[] = {"saxpy, 30 000, task saxpy", NULL};
