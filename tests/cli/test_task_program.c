@@ -277,6 +277,27 @@ TEST(a_wrong_kernel_fails_with_one_line)
                                "task saxpy: item 0: y[0] is ");
 }
 
+// A kernel's name in a file is the file's, whichever field and command.
+#define Y "args = { y = { 'float', 4, access = 'out slice' } }"
+TEST(a_name_of_no_kernel_is_told_with_its_line)
+{
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {"return { items = 4, " Y ",\n  kernel = 'nosuch' }",
+         "wrong.task.lua:2: kernel is 'nosuch'; expected a kernel: there are saxpy"},
+        {"return { items = 4, " Y ", kernel = 'saxpy',\n\n  reference = 'nosuch' }",
+         "wrong.task.lua:3: reference is 'nosuch'; expected a kernel: there are saxpy"},
+    };
+    static const char *const commands[] = {"run", "tune", "bench", "explain", "profiles why"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_write_file("wrong.task.lua", cases[i].text);
+        for (size_t c = 0; c < sizeof commands / sizeof *commands; ++c)
+            program_assert_refused(program_run_with(STORE, "%s --task wrong.task.lua", commands[c]),
+                                   1, cases[i].says);
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_begin(argc, argv);
