@@ -278,6 +278,20 @@ TEST(a_wrong_kernel_fails_with_one_line)
 }
 
 // A kernel's name in a file is the file's, whichever field and command.
+
+// The compiler knows the text by a name that is the same in all folders.
+TEST(a_kernel_that_does_not_compile_is_named_as_the_file_that_was_read)
+{
+    static const char *const stores[] = {STORE, STORE " DUET_KERNEL_DIR=."};
+    test_write_file("saxpy.cl", "__kernel void saxpy(SAXPY_ARGS)\n{\n    y[first] = ;\n}\n");
+    for (size_t i = 0; i < sizeof stores / sizeof *stores; ++i) {
+        program p = program_run_with(stores[i], "run --task saxpy.task.lua");
+        assert_int_equal(p.exit_code, 1);
+        if (!strstr(p.err, "./saxpy.cl:3:") || strstr(p.err, "kernels/"))
+            fail_msg("%s", p.err);
+    }
+}
+
 #define Y "args = { y = { 'float', 4, access = 'out slice' } }"
 TEST(a_name_of_no_kernel_is_told_with_its_line)
 {
