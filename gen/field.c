@@ -65,11 +65,17 @@ static int line_of(const char *source, const char *name)
     return n == 1 ? only : 0;
 }
 
+int field_line(lua_State *L, const char *name)
+{
+    const char *file = NULL;
+    return line_of(script_chunk(L, &file), name);
+}
+
 int field_raise(lua_State *L, const char *name, const char *format, ...)
 {
     const char *file = NULL;
-    const char *source = script_chunk(L, &file);
-    int line = name ? line_of(source, name) : 0;
+    script_chunk(L, &file);
+    int line = name ? field_line(L, name) : 0;
     char message[400];
     va_list args;
     va_start(args, format);

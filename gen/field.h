@@ -25,6 +25,9 @@ const char *field_string(lua_State *L, int table, const char *name, const char *
 // nothing and is false if it is nil.
 bool field_push(lua_State *L, int table, const char *name, int type);
 
+// The line of the script that gives name a value; 0 if there is none, or more than one.
+int field_line(lua_State *L, const char *name);
+
 // Raises "file:line: message", the line being where the script gives name a
 // value; NULL for a message about the whole file.
 int field_raise(lua_State *L, const char *name, const char *format, ...)

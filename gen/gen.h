@@ -108,6 +108,10 @@ void gen_variant_free(gen_variant *variant);
 // The kernels there are: NULL past the end.
 const char *gen_kernel(const gen *g, uint32_t i);
 
+// The folder that a file was read from, which a text's #line names "kernels/FILE"; NULL: it was
+// carried or added.
+const char *gen_folder(const gen *g, const char *file);
+
 // Declarations of all built-in functions that the carried kernels call; NULL if some kernels
 // are a folder's or were added, which may call others.
 const char *gen_built_ins(const gen *g);

@@ -65,6 +65,22 @@ static bool add_file(const char *dir, const char *file, text *out, duet_error *e
     return ok && end_file(out, err);
 }
 
+static bool is_added(const gen *g, const char *file)
+{
+    char own[FILE_SIZE];
+    bool is = false;
+    for (uint32_t i = 0; i < g->n_kernels; ++i) {
+        snprintf(own, sizeof own, "%s.cl", g->kernels[i].name);
+        is = is || (g->kernels[i].given_text && strcmp(own, file) == 0);
+    }
+    return is;
+}
+
+const char *gen_folder(const gen *g, const char *file)
+{
+    return g->dir && !is_added(g, file) && file_exists(g->dir, file) ? g->dir : NULL;
+}
+
 // ---------------------------------------------------------------- parts
 
 void kernel_forget(kernel *k)

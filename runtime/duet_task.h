@@ -87,8 +87,8 @@ typedef struct duet_task duet_task;
 // kernel are in the pair's kernel_dir, or else in the folder of the task file, or the def's. Arrays
 // hold what file or def gives them. What is right is not read, and no launch is checked:
 // duet_tune_run and 'duet run --task' check. Errors as of duet_task_file_load and _create;
-// BAD_INPUT also names an argument that the card has otherwise, BUILD_FAILED the kernel and the
-// compiler's first line.
+// BAD_INPUT also names a kernel that is not there, or an argument that the card has otherwise,
+// BUILD_FAILED the kernel and the compiler's first line.
 DUET_API duet_task *duet_task_create(const duet_task_def *def, duet_error *err);
 DUET_API void duet_task_destroy(duet_task *task);
 

@@ -30,8 +30,10 @@ return function(o)
   local row = report.columns("llrrl", "argument", "type", "elements", "an item", "access")
   for _, arg in ipairs(o.arguments) do tell_argument(row, arg) end
   for _, k in ipairs(o.kernels) do tell_kernel(o, k) end
-  line("\nright: %s, %s", o.reference ~= "" and "as kernel " .. o.reference or "as the file's reference",
-    o.tolerance > 0 and ("within %g"):format(o.tolerance) or "exactly")
+  local own = o.reference == o.kernel
+  line("\nright: as %s%s, %s%s", o.reference ~= "" and "kernel " .. o.reference or "the file's reference",
+    own and " itself on B alone" or "", o.tolerance > 0 and ("within %g"):format(o.tolerance) or "exactly",
+    own and ": only sharing is checked" or "")
   line("in the store: %s; n %.0f", o.key, o.n)
   return report.told
 end

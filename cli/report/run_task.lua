@@ -34,6 +34,8 @@ return function(o)
   line("\ntime: %.3f ms, median of %.0f, %.3f to %.3f; %s items a second", o.total_ms, o.launches, o.least_ms, o.most_ms,
     report.rate(o.total_ms > 0 and o.items / o.total_ms * 1e3 or 0))
   line("right: every launch, %s what %s", o.tolerance > 0 and ("within %g of"):format(o.tolerance) or "exactly",
-    o.reference == "" and "the task expects" or ("kernel %s finds on B alone"):format(o.reference))
+    o.reference == "" and "the task expects"
+      or o.reference == o.kernel and ("kernel %s itself finds on B alone: only sharing is checked"):format(o.kernel)
+      or ("kernel %s finds on B alone"):format(o.reference))
   return report.told
 end

@@ -90,6 +90,22 @@ const char *program_place_message(const char *source, const char *message,
     return rest;
 }
 
+// Adds the message with the file that was read in the place of its name in the text,
+// "kernels/FILE".
+static void add_message(const gen *g, const char *message, text *to)
+{
+    static const char root[] = "kernels/";
+    const char *at = strstr(message, root);
+    const char *name = at ? at + strlen(root) : "";
+    char file[128];
+    snprintf(file, sizeof file, "%.*s", (int)strcspn(name, ":\" "), name);
+    const char *folder = *file ? gen_folder(g, file) : NULL;
+    if (folder)
+        text_add(to, "%.*s%s/%s", (int)(at - message), message, folder, name);
+    else
+        text_add(to, "%s", message);
+}
+
 // The compiler's first error, or else its first line.
 static bool fail_with_log(const program_set *set, const program *p, cl_program cl, duet_error *err)
 {
@@ -103,9 +119,15 @@ static bool fail_with_log(const program_set *set, const program *p, cl_program c
     char place[PROGRAM_PLACE];
     from = program_place_message(p->text, from, place);
     int length = (int)strcspn(from, "\n");
-    return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: %s%.*s", p->name,
-                     set->device->info.selector, place, length ? length : 22,
-                     length ? from : "the compiler is silent");
+    text given = {0}, told = {0};
+    text_add(&given, "%s%.*s", place, length ? length : 22,
+             length ? from : "the compiler is silent");
+    add_message(set->gen, text_chars(&given), &told);
+    error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: %s", p->name, set->device->info.selector,
+              text_chars(&told));
+    text_free(&given);
+    text_free(&told);
+    return false;
 }
 
 static bool build_sources(const program_set *set, program *p, cl_uint n, const char *sources[],

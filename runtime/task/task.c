@@ -2,6 +2,7 @@
 #include "runtime/task/task.h"
 
 #include "base/error.h"
+#include "base/text.h"
 #include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
@@ -29,12 +30,31 @@ const char *task_kernel_dir(const task *t, const duet_device_pair *pair)
     return pair->kernel_dir ? pair->kernel_dir : t->folder;
 }
 
+static bool check_name(const task *t, const gen *g, const char *field, int line, const char *name,
+                       duet_error *err)
+{
+    text all = {0};
+    uint32_t i = 0;
+    char at[16] = "";
+    for (; gen_kernel(g, i) && strcmp(gen_kernel(g, i), name) != 0; ++i)
+        text_add(&all, "%s%s", i > 0 ? ", " : "", gen_kernel(g, i));
+    if (line > 0)
+        snprintf(at, sizeof at, ":%d", line);
+    bool ok =
+        gen_kernel(g, i) ||
+        error_set(err, DUET_STATUS_BAD_INPUT, "%s%s: %s is '%s'; expected a kernel: there are %s",
+                  t->path, at, field, name, i > 0 ? text_chars(&all) : "none");
+    text_free(&all);
+    return ok;
+}
+
 bool task_add_kernels(const task *t, gen *g, duet_error *err)
 {
     bool ok = true;
     for (uint32_t i = 0; ok && i < t->n_kernels; ++i)
         ok = gen_add(g, t->kernels[i].name, t->kernels[i].card, t->kernels[i].text, err);
-    return ok;
+    return ok && check_name(t, g, "kernel", t->kernel_line, t->kernel, err) &&
+           (!*t->reference || check_name(t, g, "reference", t->reference_line, t->reference, err));
 }
 
 static void free_kernels(task *t)

@@ -89,6 +89,8 @@ typedef struct duet_task_file {
     char kernel[GEN_NAME];
     char entry[GEN_NAME];        // of the kernel
     char reference[GEN_NAME];    // a kernel that finds what is right; empty: the arrays expect it
+    int kernel_line;             // of the file, that names it; 0: not known
+    int reference_line;
     char key[TASK_KEY];          // what tells the task from others of its kernel: "bins=64"
     task_arg args[GEN_MAX_ARGS]; // by name
     uint32_t n_args;
@@ -112,7 +114,7 @@ void task_destroy(task *t); // NULL does nothing
 // The folder of the kernel's text and card on that pair.
 const char *task_kernel_dir(const task *t, const duet_device_pair *pair);
 
-// Adds the kernels that the task brings with it.
+// Adds the kernels that the task brings with it. BAD_INPUT if there is none that it names.
 bool task_add_kernels(const task *t, gen *g, duet_error *err);
 
 // Returns the index of the argument of that name; n_args if there is none.

@@ -171,6 +171,8 @@ int task_read_table(lua_State *L)
     }
     field_only(L, ROOT, "a task", names);
     read_name(L, "kernel", NULL, t->kernel);
+    t->kernel_line = field_line(L, "kernel");
+    t->reference_line = field_line(L, "reference");
     read_name(L, "entry", t->kernel, t->entry);
     if (lua_getfield(L, ROOT, "items") == LUA_TNIL)
         return field_raise(L, NULL, "items is missing; expected how many there are");

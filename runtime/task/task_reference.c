@@ -186,6 +186,11 @@ void task_reference_read(lua_State *L, int root, task *t, duet_error *why)
     const char *name = type == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
     if (type == LUA_TNIL) {
         snprintf(t->reference, sizeof t->reference, "%s", t->kernel);
+    } else if (name && strcmp(name, t->kernel) == 0) {
+        field_raise(L, "reference",
+                    "reference is '%s', the task's own kernel; expected another kernel's name, or "
+                    "nothing to check sharing alone",
+                    name);
     } else if (name && !strchr(name, '.') && *name && strlen(name) < sizeof t->reference) {
         snprintf(t->reference, sizeof t->reference, "%s", name);
     } else if (type == LUA_TFUNCTION || name) {

@@ -58,6 +58,27 @@ TEST(a_task_is_run_and_checked)
     expect_says(&p, says);
 }
 
+// Only sharing is checked then, and the words say so.
+TEST(a_kernel_without_a_reference_is_compared_with_itself)
+{
+    static const struct {
+        const char *command, *says;
+    } cases[] = {
+        {"run", "right: every launch, within 1e-06 of what kernel saxpy itself finds on B alone: "
+                "only sharing is checked"},
+        {"explain", "right: as kernel saxpy itself on B alone, within 1e-06: only sharing is "
+                    "checked"},
+    };
+    char text[sizeof task_text];
+    size_t n = (size_t)(strstr(task_text, "  reference") - task_text);
+    snprintf(text, sizeof text, "%.*s}\n", (int)n, task_text);
+    test_write_file("saxpy.task.lua", text);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        program p = program_run_with(STORE, "%s --task saxpy.task.lua", cases[i].command);
+        expect_says(&p, (const char *const[]){cases[i].says, NULL});
+    }
+}
+
 TEST(a_tuned_plan_is_kept_and_used)
 {
     const char *const says[] = {"saxpy, 30 000, task saxpy", NULL};
@@ -254,6 +275,41 @@ TEST(a_wrong_kernel_fails_with_one_line)
     for (int i = 0; i < 2; ++i)
         program_assert_refused(program_run_with(STORE, "%s --task saxpy.task.lua", commands[i]), 1,
                                "task saxpy: item 0: y[0] is ");
+}
+
+// A kernel's name in a file is the file's, whichever field and command.
+
+// The compiler knows the text by a name that is the same in all folders.
+TEST(a_kernel_that_does_not_compile_is_named_as_the_file_that_was_read)
+{
+    static const char *const stores[] = {STORE, STORE " DUET_KERNEL_DIR=."};
+    test_write_file("saxpy.cl", "__kernel void saxpy(SAXPY_ARGS)\n{\n    y[first] = ;\n}\n");
+    for (size_t i = 0; i < sizeof stores / sizeof *stores; ++i) {
+        program p = program_run_with(stores[i], "run --task saxpy.task.lua");
+        assert_int_equal(p.exit_code, 1);
+        if (!strstr(p.err, "./saxpy.cl:3:") || strstr(p.err, "kernels/"))
+            fail_msg("%s", p.err);
+    }
+}
+
+#define Y "args = { y = { 'float', 4, access = 'out slice' } }"
+TEST(a_name_of_no_kernel_is_told_with_its_line)
+{
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {"return { items = 4, " Y ",\n  kernel = 'nosuch' }",
+         "wrong.task.lua:2: kernel is 'nosuch'; expected a kernel: there are saxpy"},
+        {"return { items = 4, " Y ", kernel = 'saxpy',\n\n  reference = 'nosuch' }",
+         "wrong.task.lua:3: reference is 'nosuch'; expected a kernel: there are saxpy"},
+    };
+    static const char *const commands[] = {"run", "tune", "bench", "explain", "profiles why"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        test_write_file("wrong.task.lua", cases[i].text);
+        for (size_t c = 0; c < sizeof commands / sizeof *commands; ++c)
+            program_assert_refused(program_run_with(STORE, "%s --task wrong.task.lua", commands[c]),
+                                   1, cases[i].says);
+    }
 }
 
 int main(int argc, char **argv)

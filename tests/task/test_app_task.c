@@ -334,7 +334,7 @@ TEST(a_task_that_cannot_be_made_is_one_line)
     } cases[] = {
         {"return 5", DUET_STATUS_BAD_INPUT, "a task file returns a table"},
         {"return { kernel = 'none', items = 1, args = { y = { 'int', 1, access = 'sum' } } }",
-         DUET_STATUS_BAD_ARGUMENT, "'none'"},
+         DUET_STATUS_BAD_INPUT, "t.task.lua:1: kernel is 'none'; expected a kernel: there are "},
         {"return { kernel = 'saxpy', items = 1, args = { a = 1, x = { 'int', 1 }, y = { 'float', "
          "1, access = 'sum' } } }",
          DUET_STATUS_BAD_INPUT, "args.x is an array of int; the card of saxpy has 'float *'"},

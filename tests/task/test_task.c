@@ -412,6 +412,8 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"return { kernel = 'k', tolerance = -1, items = 10 }", "tolerance is -1"},
         {"return { kernel = 'k', key = { a = {} }, items = 10 }", "key: 'a' is 'table: 1'"},
         {"return { kernel = 'k', reference = 7, " TEN "}", "reference is a number"},
+        {"return { kernel = 'k', reference = 'k', " TEN "}",
+         "t.task.lua:1: reference is 'k', the task's own kernel; expected another kernel's name"},
         {"return { kernel = 'k', reference = '../a.bin', " TEN "}", "expected a file beside"},
         {"return { kernel = 'k', reference = 'no.bin', " TEN "}", "no.bin: No such file"},
         {"return { kernel = 'k', reference = 't.task.lua', " TEN "}", "bytes; expected 40, as y"},
