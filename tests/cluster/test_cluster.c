@@ -204,6 +204,38 @@ TEST(a_tuning_of_ghosts_that_cannot_be_is_refused)
                            2, "--tune-colours: 39 steps are left; expected 40 or more");
 }
 
+// The job ends before step 1, after which its checkpoint would be there.
+TEST(a_tuning_of_ghosts_that_no_store_can_keep_takes_no_step)
+{
+    skip_without_mpi();
+    char variables[2][160];
+    test_folder folder = test_folder_make();
+    must(text_write_file(folder.store, "garbage", 7, ERR));
+    snprintf(variables[0], sizeof variables[0], "DUET_PROFILE=%s", folder.store);
+    snprintf(variables[1], sizeof variables[1], "DUET_PROFILE=%s", folder.path);
+    for (int i = 0; i < 2; ++i) {
+        program p = program_run_with(variables[i], "cluster falling -n 60 --steps 40 --ranks 2 "
+                                                   "--tune-colours --checkpoint kept.ck --every 1");
+        program_assert_refused(p, 1, variables[i] + strlen("DUET_PROFILE="));
+        assert_int_not_equal(access("kept.ck", F_OK), 0);
+    }
+}
+
+// The job's own checkpoint takes the place of the store while it takes its steps.
+TEST(a_tuning_of_ghosts_that_is_lost_in_the_end_tells_its_table)
+{
+    skip_without_mpi();
+    char variables[160];
+    test_folder folder = test_folder_make();
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p = program_run_with(
+        variables, "cluster falling -n 60 --steps 40 --ranks 2 --tune-colours --checkpoint %s",
+        folder.store);
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.err, folder.store));
+    assert_non_null(strstr(p.out, "\nstate hash "));
+}
+
 // ---------------------------------------------------------------- simulated ranks
 
 #define NETWORK "network.xml"
