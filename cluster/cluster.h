@@ -84,6 +84,7 @@ bool cluster_load_scene(duet_cluster *c, const char *path, const duet_setting *s
 // Writes the objective of a profile that says how often ghosts come on so many ranks, domains and
 // hosts. Collective.
 enum { CLUSTER_OBJECTIVE = 96 };
+#define CLUSTER_OVER_RANKS "time over " // that it begins with
 void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE]);
 
 // ---------------------------------------------------------------- of its own files

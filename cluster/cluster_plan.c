@@ -110,12 +110,18 @@ static bool weigh_ranks(duet_cluster *c, const duet_profile *profile)
 
 // ---------------------------------------------------------------- bodies that move
 
+static const char *plural(uint64_t n)
+{
+    return n == 1 ? "" : "s";
+}
+
 void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE])
 {
     uint64_t hosts = c->ranks.self_on_host == 0;
     ranks_sum(&c->ranks, &hosts, 1);
-    snprintf(objective, CLUSTER_OBJECTIVE, "time over %d ranks of %u on %u hosts", c->ranks.n,
-             c->def.parts, (unsigned)hosts);
+    snprintf(objective, CLUSTER_OBJECTIVE, CLUSTER_OVER_RANKS "%d rank%s of %u part%s on %u host%s",
+             c->ranks.n, plural(c->ranks.n), c->def.parts, plural(c->def.parts), (unsigned)hosts,
+             plural(hosts));
 }
 
 // What rank 0 found, for all.

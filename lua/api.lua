@@ -814,6 +814,7 @@ api.names = {
   { "duet.StoredProfile.variant_a", "string", "" },
   { "duet.StoredProfile.variant_b", "string", "" },
   { "duet.StoredProfile.level", "string", "of accuracy" },
+  { "duet.StoredProfile.objective", "string", "what it makes small: \"time\", \"energy\", or time over ranks" },
   { "duet.StoredProfile.step_ms", "number", "the median" },
   { "duet.StoredProfile.low_ms", "number", "its interval" },
   { "duet.StoredProfile.high_ms", "number", "" },

@@ -37,7 +37,8 @@ typedef struct duet_stored_profile {
     char variant_a[192];
     char variant_b[192];
     char level[16];
-    double step_ms; // the median, and its interval
+    char objective[96]; // what it makes small: "time", "energy", or time over ranks
+    double step_ms;     // the median, and its interval
     double low_ms;
     double high_ms;
     double gain; // over the best single device: 0.25 is a quarter faster

@@ -207,9 +207,9 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
     bool ok = begin(&r, err);
     interrupt_react(INTERRUPT_AWAITED);
     ok = ok && rank_frames_begin(&r.frames, pieces, cluster, err) && run_steps(&r, err) &&
-         rank_tune_end(&r.tune, err) && duet_cluster_get_state_hash(cluster, &r.hash, err) &&
+         duet_cluster_get_state_hash(cluster, &r.hash, err) &&
          rank_picture_draw(&r.pictures, r.last.step, err) &&
-         ranks_agree(&cluster->ranks, tell(&r, err), err) &&
+         ranks_agree(&cluster->ranks, tell(&r, err), err) && rank_tune_end(&r.tune, err) &&
          (!r.is_stopped || error_set(err, DUET_STATUS_INTERRUPTED, "stopped"));
     rank_frames_end(&r.frames);
     rank_picture_end(&r.pictures);

@@ -23,6 +23,15 @@ static uint64_t fewest_steps(const rank_tune *t)
     return (uint64_t)RIVALS * t->race.options.least_rounds;
 }
 
+// What could not be kept in the end takes no step.
+static bool check_store(duet_error *err)
+{
+    record r;
+    bool ok = record_open(&r, NULL, err);
+    record_close(&r);
+    return ok;
+}
+
 // Looks at the bodies of rank 0's first domain: what the store knows of is as large as that.
 static bool describe(rank_tune *t, duet_error *err)
 {
@@ -31,7 +40,7 @@ static bool describe(rank_tune *t, duet_error *err)
     bool ok =
         profile_subject_read_motion(moving_get_motion(t->cluster->moving, 0), &t->subject, err);
     t->subject.objective = t->objective;
-    return ok;
+    return ok && check_store(err);
 }
 
 bool rank_tune_begin(rank_tune *t, duet_cluster *cluster, uint64_t steps, duet_error *err)

@@ -27,7 +27,7 @@ typedef struct rank_tune {
 } rank_tune;
 
 // The cluster has a motion, which takes so many steps more; that are at least so many that each
-// choice gets its rounds. Collective.
+// choice gets its rounds. A store of rank 0 that cannot be written is refused. Collective.
 bool rank_tune_begin(rank_tune *t, duet_cluster *cluster, uint64_t steps, duet_error *err);
 
 // Before a step, and after one that took so long on all ranks. Collective.

@@ -4,6 +4,7 @@
 #include "cli/cluster/rank.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
+#include "cluster/cluster.h"
 #include "cluster/ghost_traffic.h"
 #include "cluster/simulated/smpi.h"
 
@@ -43,12 +44,17 @@ static const duet_stored_profile *find_profile(const duet_profile_list *list, co
     return n == 1 ? found : NULL;
 }
 
+// A step over ranks has messages in its time already, and is of more objects than a rank has.
 static bool check_steps(const simulated_job *job, const duet_stored_profile *p, duet_error *err)
 {
-    return !*p->query ||
+    if (*p->query)
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "--profile '%s': a profile of the query '%s'; expected one of steps",
+                         job->args.profile, p->query);
+    return strncmp(p->objective, CLUSTER_OVER_RANKS, strlen(CLUSTER_OVER_RANKS)) != 0 ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--profile '%s': a profile of the query '%s'; expected one of steps",
-                     job->args.profile, p->query);
+                     "--profile '%s': a profile of %s; expected one of steps on one device pair",
+                     job->args.profile, p->objective);
 }
 
 // The most that a rank's step can take for each object.

@@ -3,7 +3,7 @@
 local report = ...
 local line, number = report.line, report.number
 
-local fields <const> = { "uid", "live", "dead_reason", "scene", "objects", "a", "b", "level", "share", "mode",
+local fields <const> = { "uid", "live", "dead_reason", "scene", "objects", "a", "b", "level", "objective", "share", "mode",
   "variant_a", "variant_b", "ms", "low_ms", "high_ms", "gain", "gain_low", "gain_high", "verdict", "rounds", "single_ms",
   "whole_ms", "whole_gain", "missed_rate", "false_rate", "origin", "strategy", "options", "kernels", "created" }
 

@@ -36,6 +36,7 @@ return function(p)
   if not p.one_device then row("B", report.device_words(p.b)) end
   local things = p.query and report.things(p.items, "item", "items") or report.things(p.objects, "object", "objects")
   row("workload", ("%s, %s: %s"):format(p.scene ~= "" and p.scene or "-", things, p.family))
+  if p.objective ~= "time" then row("tuned", "for " .. p.objective) end
   tell_result(row, p)
   tell_session(row, p)
   return report.told

@@ -30,6 +30,7 @@ end
 
 local function add_notes(notes, p)
   local function add(says) notes[#notes + 1] = { uid = p.uid, says = says } end
+  if p.objective ~= "time" then add("tuned for " .. p.objective) end
   if p.disturbed > 0 then add(report.waited(p)) end
   if p.whole_ms and p.whole_gain_high < 0 then add(report.whole(p.a.name, nil, p)) end
 end

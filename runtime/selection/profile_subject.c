@@ -316,9 +316,9 @@ bool profile_subject_read_motion(const duet_motion *m, profile_subject *p, duet_
     *p = (profile_subject){0};
     if (m->n == 0 || m->effects == 0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a motion of %u bodies %s has no profile; expected bodies that something "
+                         "a motion of %u bodies%s has no profile; expected bodies that something "
                          "happens to",
-                         m->n, m->effects ? "" : "and no effects");
+                         m->n, m->effects ? "" : " and no effects");
     if (!read_bodies(m, p, err))
         return false;
     list_effects(m, p->effects);

@@ -116,6 +116,29 @@ TEST(a_profile_that_was_measured_beside_others_is_told_as_such)
     assert_prints(&folder, arguments, "quiet     300 of 430 launches waited for a core");
 }
 
+// Profiles of one workload for two numbers of ranks, and one for energy.
+TEST(a_profile_that_is_not_of_plain_time_says_of_which)
+{
+    static const char ranks[] = "time over 2 ranks of 1 part on 1 host";
+    test_folder folder = make_store();
+    program plain = run_on(&folder, "list");
+    assert_null(strstr(plain.out, "tuned for"));
+    test_store_run(folder.store, "UPDATE profile SET objective = 'energy' WHERE id = 1;"
+                                 "UPDATE profile SET objective = 'time over 2 ranks of 1 part on 1 "
+                                 "host' WHERE id <> 1");
+    cJSON *o = run_json(&folder, "list --json");
+    for (int i = 0; i < 2; ++i) {
+        const char *uid = json_string(cJSON_GetArrayItem(json_array(o, "profiles", 2), i), "uid");
+        const char *objective = i == 0 ? "energy" : ranks;
+        char arguments[64], note[96], row[96];
+        snprintf(note, sizeof note, "\n%.8s: tuned for %s\n", uid, objective);
+        assert_prints(&folder, "list", note);
+        snprintf(arguments, sizeof arguments, "show %s", uid);
+        snprintf(row, sizeof row, "\ntuned     for %s\n", objective);
+        assert_prints(&folder, arguments, row);
+    }
+}
+
 // The store's third profile is dead, of 250 000 objects.
 TEST(a_stored_profile_is_compared_put_to_use_and_forgotten)
 {

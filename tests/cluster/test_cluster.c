@@ -185,6 +185,7 @@ TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
              json_number(tuned, "colours_between"));
     assert_string_equal(profile->variant_b, variant);
     assert_true(profile->moving && profile->rounds >= 8);
+    assert_string_equal(profile->objective, "time over 2 ranks of 1 part on 1 host");
     duet_profile_list_destroy(list);
 
     test_store_run(folder.store, "UPDATE profile SET variant_b = 'auto motion.colours=8'");
@@ -202,6 +203,48 @@ TEST(a_tuning_of_ghosts_that_cannot_be_is_refused)
                            "or parts");
     program_assert_refused(program_run("cluster falling -n 60 --steps 39 --tune-colours --parts 2"),
                            2, "--tune-colours: 39 steps are left; expected 40 or more");
+    program p = program_run("cluster falling -n 0 --steps 90 --tune-colours --parts 2");
+    assert_int_equal(p.exit_code, 2);
+    assert_non_null(strstr(p.err, ": a motion of 0 bodies has no profile; expected bodies that"));
+}
+
+TEST(one_colour_between_exchanges_is_told_as_one)
+{
+    skip_without_mpi();
+    program p = program_done(program_run("cluster falling -n 60 --steps 1 --ranks 2"));
+    assert_non_null(strstr(p.out, "1  colour at the most between two; by default\n"));
+}
+
+// The job ends before step 1, after which its checkpoint would be there.
+TEST(a_tuning_of_ghosts_that_no_store_can_keep_takes_no_step)
+{
+    skip_without_mpi();
+    char variables[2][160];
+    test_folder folder = test_folder_make();
+    must(text_write_file(folder.store, "garbage", 7, ERR));
+    snprintf(variables[0], sizeof variables[0], "DUET_PROFILE=%s", folder.store);
+    snprintf(variables[1], sizeof variables[1], "DUET_PROFILE=%s", folder.path);
+    for (int i = 0; i < 2; ++i) {
+        program p = program_run_with(variables[i], "cluster falling -n 60 --steps 40 --ranks 2 "
+                                                   "--tune-colours --checkpoint kept.ck --every 1");
+        program_assert_refused(p, 1, variables[i] + strlen("DUET_PROFILE="));
+        assert_int_not_equal(access("kept.ck", F_OK), 0);
+    }
+}
+
+// The job's own checkpoint takes the place of the store while it takes its steps.
+TEST(a_tuning_of_ghosts_that_is_lost_in_the_end_tells_its_table)
+{
+    skip_without_mpi();
+    char variables[160];
+    test_folder folder = test_folder_make();
+    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
+    program p = program_run_with(
+        variables, "cluster falling -n 60 --steps 40 --ranks 2 --tune-colours --checkpoint %s",
+        folder.store);
+    assert_int_equal(p.exit_code, 1);
+    assert_non_null(strstr(p.err, folder.store));
+    assert_non_null(strstr(p.out, "\nstate hash "));
 }
 
 // ---------------------------------------------------------------- simulated ranks
@@ -374,7 +417,16 @@ TEST(a_forecast_takes_the_times_of_a_profile)
     program p = program_run_with(
         variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still", profile->uid);
     program_assert_refused(p, 2, "': a profile of the query 'rays closest'; expected one of steps");
-    must(sql_script(s, "UPDATE workload SET query = NULL, boxes = 0", ERR));
+    must(sql_script(s,
+                    "UPDATE workload SET query = NULL, boxes = 0; UPDATE profile SET objective = "
+                    "'time over 3 ranks of 1 part on 2 hosts'",
+                    ERR));
+    p = program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
+                         profile->uid);
+    program_assert_refused(p, 2,
+                           "': a profile of time over 3 ranks of 1 part on 2 hosts; expected one "
+                           "of steps on one device pair");
+    must(sql_script(s, "UPDATE profile SET objective = 'time'", ERR));
     store_close(s);
     static const char *const hostile[] = {"profile SET median_ns = 9e999",
                                           "profile SET median_ns = -5", "profile SET median_ns = 0",
