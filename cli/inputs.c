@@ -183,15 +183,15 @@ bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair 
     return ok;
 }
 
-static bool change_mode(const char *name, duet_mode *mode, duet_error *err)
+static bool change_mode(const plan_options *options, duet_mode *mode, duet_error *err)
 {
     text known = {0};
-    if (mode_from_name(name, mode))
+    if (!options->mode || mode_from_name(options->mode, mode))
         return true;
     for (int m = 0; duet_mode_name((duet_mode)m); ++m)
         text_add(&known, "%s%s", m ? ", " : "", duet_mode_name((duet_mode)m));
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--mode '%s': the modes are %s", name,
-              text_chars(&known));
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--%smode '%s': the modes are %s", options->prefix,
+              options->mode, text_chars(&known));
     text_free(&known);
     return false;
 }
@@ -235,15 +235,40 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
     return inputs_read_level(options->level, &def->level, err);
 }
 
-static bool change_variant(const char *name, char to[DUET_VARIANT], duet_error *err)
+// Its first word; what follows is read where the kernels are known. NULL: the pair is not known
+// yet.
+static bool check_variant(const char *name, const duet_device_pair *pair, duet_error *err)
 {
-    if (!name)
-        return true;
+    char word[DUET_VARIANT];
+    variant v;
     if (strlen(name) >= DUET_VARIANT)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "a variant of %zu characters: %d are the most", strlen(name),
                          DUET_VARIANT - 1);
-    strcpy(to, name);
+    name += strspn(name, " ,");
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, " ,"), name);
+    return !pair || !*word || variant_parse(&v, word, duet_device_pair_get_info(pair, 1), err);
+}
+
+static bool change_variants(const plan_options *options, const duet_device_pair *pair,
+                            duet_plan *plan, duet_error *err)
+{
+    const struct {
+        const char *option, *name;
+        char *to[2];
+    } given[] = {{"variant", options->variant, {plan->variant_a, plan->variant_b}},
+                 {"variant-a", options->variants[0], {plan->variant_a}},
+                 {"variant-b", options->variants[1], {plan->variant_b}}};
+    for (size_t i = 0; i < sizeof given / sizeof *given; ++i) {
+        duet_error why = {0};
+        if (!given[i].name)
+            continue;
+        if (!check_variant(given[i].name, pair, &why))
+            return error_set(err, why.status, "--%s%s: %s", options->prefix, given[i].option,
+                             why.text);
+        for (int k = 0; k < 2 && given[i].to[k]; ++k)
+            strcpy(given[i].to[k], given[i].name);
+    }
     return true;
 }
 
@@ -261,11 +286,12 @@ static bool is_one_chosen(const duet_device_pair *pair, const char *selectors)
            (!chosen || (!strchr(chosen, ',') && strcmp(chosen, "halves") != 0));
 }
 
-static bool refuse_on_one(const char *name, const duet_device_pair *pair, duet_error *err)
+static bool refuse_on_one(const char *prefix, const char *name, const duet_device_pair *pair,
+                          duet_error *err)
 {
     return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--%s: %s is one device; expected --pair with two, or halves", name,
-                     duet_device_pair_get_info(pair, 0)->selector);
+                     "--%s%s: %s is one device; expected --%spair with two, or halves", prefix,
+                     name, duet_device_pair_get_info(pair, 0)->selector, prefix);
 }
 
 // A mode goes with a share that is given, as 'duet tune' prints plans, also where that is 0.
@@ -276,7 +302,7 @@ static bool check_plan(const plan_options *options, const duet_device_pair *pair
     bool shares = is_given && options->share > 0 && options->share < DUET_SHARE_ONE;
     if ((!shares && (is_given || !options->mode)) || !is_one_chosen(pair, selectors))
         return true;
-    return refuse_on_one(shares ? "share" : "mode", pair, err);
+    return refuse_on_one(options->prefix, shares ? "share" : "mode", pair, err);
 }
 
 bool inputs_change_plan(const plan_options *options, const duet_device_pair *pair,
@@ -284,10 +310,6 @@ bool inputs_change_plan(const plan_options *options, const duet_device_pair *pai
 {
     if (options->share != UINT32_MAX)
         plan->share = options->share;
-    bool ok = !options->mode || change_mode(options->mode, &plan->mode, err);
-    ok = ok && change_variant(options->variant, plan->variant_a, err);
-    ok = ok && change_variant(options->variant, plan->variant_b, err);
-    ok = ok && change_variant(options->variants[0], plan->variant_a, err);
-    ok = ok && change_variant(options->variants[1], plan->variant_b, err);
-    return ok && check_plan(options, pair, selectors, err);
+    return change_mode(options, &plan->mode, err) && change_variants(options, pair, plan, err) &&
+           check_plan(options, pair, selectors, err);
 }

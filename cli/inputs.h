@@ -19,15 +19,16 @@ typedef struct plan_options {
     const char *mode;
     const char *variant;
     const char *variants[2];
+    const char *prefix; // of the options' names, "other-"
 } plan_options;
 
 #define SCENE_OPTIONS_DEFAULT               \
     {                                       \
         .n = UINT64_MAX, .seed = UINT64_MAX \
     }
-#define PLAN_OPTIONS_DEFAULT \
-    {                        \
-        .share = UINT32_MAX  \
+#define PLAN_OPTIONS_DEFAULT              \
+    {                                     \
+        .share = UINT32_MAX, .prefix = "" \
     }
 
 // Rows of an option table; member is one of the arguments.

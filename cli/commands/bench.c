@@ -439,7 +439,8 @@ static bool measure_all(bench *b, duet_error *err)
         tell_stopped(b, n_results, err);
     ok = written && ok;
     if (ok && b->failed > 0)
-        ok = error_set(err, DUET_STATUS_DEVICE_FAILED, "%u plans failed", b->failed);
+        ok = error_set(err, DUET_STATUS_DEVICE_FAILED, "%u plan%s failed", b->failed,
+                       b->failed == 1 ? "" : "s");
     if (ok && any_slower)
         ok =
             error_set(err, DUET_STATUS_WRONG_RESULT, "%u of the cases became slower for sure: %s%s",

@@ -274,6 +274,6 @@ int command_verify(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT,
                       .plan = PLAN_OPTIONS_DEFAULT,
-                      .other_plan = PLAN_OPTIONS_DEFAULT};
+                      .other_plan = {.share = UINT32_MAX, .prefix = "other-"}};
     return options_run(&line, argc, argv, &args, run);
 }

@@ -153,6 +153,7 @@ TEST(a_task_is_measured_and_compared)
     assert_int_equal(p.exit_code, 1);
     assert_non_null(strstr(p.err, "item 0: y[0] is 7"));
     assert_non_null(strstr(p.err, "failed"));
+    assert_null(strstr(p.err, " 1 plans"));
 }
 
 // A tune file has tasks and a scene; its modes and levels are the scene's.

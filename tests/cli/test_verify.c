@@ -314,7 +314,12 @@ TEST(wrong_command_lines_are_refused)
         {"verify --steps 3", "SCENE|FILE"},
         {"verify " SCENE " --steps 3 --other-replay " PLAIN, "--replay"},
         {"verify " SCENE " --steps 13 --replay " PLAIN, "has 12 recorded steps"},
-        {"verify " SCENE " --steps 3 --other-mode upside", "upside"},
+        {"verify " SCENE " --steps 3 --other-mode upside", "--other-mode 'upside': the modes are"},
+        {"verify " SCENE " --steps 3 --mode upside", "duet: --mode 'upside'"},
+        {"verify " SCENE " --steps 3 --other-variant foo",
+         "--other-variant: variant 'foo': expect"},
+        {"verify " SCENE " --steps 3 --other-variant-b foo", "--other-variant-b: variant 'foo'"},
+        {"verify " SCENE " --steps 3 --variant-a foo", "duet: --variant-a: variant 'foo'"},
     };
     record(SCENE, PLAIN, NULL, 0, 0);
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i)
