@@ -225,6 +225,9 @@ bool moving_stays(const moving *m, const moving_domain *d, const extent *old, co
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);
 
+// Adds a body that comes to a domain.
+void moving_add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out);
+
 // Brings own bodies to the domains that their centres lie in. Collective.
 bool moving_migrate(moving *m, duet_error *own);
 
