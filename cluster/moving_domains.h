@@ -199,6 +199,12 @@ static inline bool moving_pushes(const moving *m)
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
 }
 
+// Returns whether events tell of what touches.
+static inline bool moving_tells(const moving *m)
+{
+    return m->domains[0].motion->effects & DUET_EFFECT_EVENTS;
+}
+
 // Lets a domain count cells from that of all, whatever the cell of its first body is.
 static inline void moving_keep_base(const moving *m, duet_motion *motion)
 {
@@ -257,12 +263,10 @@ void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_err
 bool moving_load(duet_motion *whole, const char *path, duet_error *own);
 
 // Whether all contacts of a domain travel when bodies are exchanged, also those that stay there:
-// where they tell something, or others solve them, too.
+// they do if they tell something, or others solve them, too.
 static inline bool moving_sends_all(const moving *m)
 {
-    const uint32_t effects = m->domains[0].motion->effects;
-    return m->every > 1 || (effects & DUET_EFFECT_EVENTS) ||
-           !(effects & DUET_EFFECT_CONTACT_RESPONSE);
+    return m->every > 1 || moving_tells(m) || !moving_pushes(m);
 }
 
 // Writes a contact of a domain's motion, and its record behind, to where it has space.
