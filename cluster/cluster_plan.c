@@ -118,7 +118,7 @@ void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE])
              c->def.parts, (unsigned)hosts);
 }
 
-// What rank 0 found, for all.
+// Rank 0 finds it, for all.
 typedef struct ghost_choice {
     duet_profile profile;
     uint32_t every; // colours after which ghosts come; 0: the store knows nothing

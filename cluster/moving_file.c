@@ -61,7 +61,7 @@ static bool is_kept(const moving_domain *d, const domain_contacts *c, uint32_t i
            (c->touches[i] & TOUCH_POINTS);
 }
 
-// Those in the motion, of which some have travelled, too.
+// Lists the contacts in the motion; some of them have travelled, too.
 static void list_kept(const moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;
