@@ -124,7 +124,7 @@ void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE])
              plural(hosts));
 }
 
-// What rank 0 found, for all.
+// Rank 0 finds it, for all.
 typedef struct ghost_choice {
     duet_profile profile;
     uint32_t every; // colours after which ghosts come; 0: the store knows nothing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What it costs that bodies have ghosts while they move, for forecasts: as it was counted in a pile
-// (docs/cluster.md), for each object at a border. Those are objects that a still step sends.
+// Ghosts of bodies that move have a cost, which forecasts take as it was counted in a pile
+// (docs/cluster.md), for each object at a border: those that a still step sends.
 #ifndef CLUSTER_GHOST_TRAFFIC_H
 #define CLUSTER_GHOST_TRAFFIC_H
 
@@ -8,10 +8,10 @@
 
 typedef struct ghost_traffic {
     uint32_t colours;      // after which ghosts come at the latest
-    uint32_t exchanges;    // of a sweep of colours
+    uint32_t exchanges;    // in a sweep of colours
     double exchange_bytes; // that each side sends in one
     double step_bytes;     // and at the end of a step
-    double work;           // of a body's: ghosts, and contacts that are solved on both sides
+    double work;           // in bodies': ghosts, and contacts that are solved on both sides
 } ghost_traffic;
 
 // Few colours first.

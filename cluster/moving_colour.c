@@ -94,7 +94,7 @@ static void list_waiting(const moving *m, const moving_domain *d, waiting_list *
     }
 }
 
-// What waits for other domains after this one has coloured all that it can.
+// Lists the contacts that wait for other domains, once this one has coloured all that it can.
 static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *waiting,
                              duet_error *own)
 {

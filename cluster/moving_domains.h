@@ -199,6 +199,12 @@ static inline bool moving_pushes(const moving *m)
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT_RESPONSE;
 }
 
+// Returns whether events tell of what touches.
+static inline bool moving_tells(const moving *m)
+{
+    return m->domains[0].motion->effects & DUET_EFFECT_EVENTS;
+}
+
 // Lets a domain count cells from that of all, whatever the cell of its first body is.
 static inline void moving_keep_base(const moving *m, duet_motion *motion)
 {
@@ -224,6 +230,9 @@ bool moving_stays(const moving *m, const moving_domain *d, const extent *old, co
 
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);
+
+// Adds a body that comes to a domain.
+void moving_add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out);
 
 // Brings own bodies to the domains that their centres lie in. Collective.
 bool moving_migrate(moving *m, duet_error *own);
@@ -254,12 +263,10 @@ void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_err
 bool moving_load(duet_motion *whole, const char *path, duet_error *own);
 
 // Whether all contacts of a domain travel when bodies are exchanged, also those that stay there:
-// where they tell something, or others solve them, too.
+// they do if they tell something, or others solve them, too.
 static inline bool moving_sends_all(const moving *m)
 {
-    const uint32_t effects = m->domains[0].motion->effects;
-    return m->every > 1 || (effects & DUET_EFFECT_EVENTS) ||
-           !(effects & DUET_EFFECT_CONTACT_RESPONSE);
+    return m->every > 1 || moving_tells(m) || !moving_pushes(m);
 }
 
 // Writes a contact of a domain's motion, and its record behind, to where it has space.

@@ -32,11 +32,6 @@ static bool add_pair(const moving *m, pair_list *list, uint32_t owner, uint32_t 
     return true;
 }
 
-static bool tells(const moving *m)
-{
-    return m->domains[0].motion->effects & DUET_EFFECT_EVENTS;
-}
-
 static void add_told(moving *m, const moving_domain *d, duet_error *own)
 {
     for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
@@ -49,9 +44,9 @@ static void add_told(moving *m, const moving_domain *d, duet_error *own)
 void moving_note_touching(moving *m, duet_error *own)
 {
     m->events.now.n = 0;
-    if (tells(m) && m->n_domains == 1 && is_well(own))
+    if (moving_tells(m) && m->n_domains == 1 && is_well(own))
         domain_recall_touching(m->domains[0].motion, own);
-    for (uint32_t k = 0; tells(m) && k < m->parts; ++k)
+    for (uint32_t k = 0; moving_tells(m) && k < m->parts; ++k)
         add_told(m, &m->domains[k], own);
 }
 
@@ -111,7 +106,7 @@ static void begin(moving_events *e)
 void moving_find_events(moving *m, duet_error *own)
 {
     moving_events *e = &m->events;
-    if (!tells(m))
+    if (!moving_tells(m))
         return;
     begin(e);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {

@@ -66,8 +66,7 @@ static item_list *contacts_of(moving_domain *d)
 
 // ---------------------------------------------------------------- own bodies
 
-// Adds a body that comes to a domain.
-static void add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out)
+void moving_add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out)
 {
     list_add(out, b, 1, m->body_bytes);
     if (out->failed)
@@ -87,7 +86,7 @@ static void leave(moving *m, moving_domain *d, item_list *out)
             continue;
         b->domain = b->own = moving_domain_of(m, b);
         if (!moving_is_own(d, b))
-            add_coming(m, b, b->domain, out);
+            moving_add_coming(m, b, b->domain, out);
         else
             memmove(moving_body_at(m, &d->bodies, kept++), b, m->body_bytes);
     }
@@ -140,7 +139,7 @@ static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *
     for (uint32_t to = 0; to < m->n_domains; ++to) {
         if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
-        add_coming(m, b, to, out);
+        moving_add_coming(m, b, to, out);
         halo_add(&m->halo.sent.items, &(halo_item){.rank = to / m->parts,
                                                    .to = to,
                                                    .from = d->number,

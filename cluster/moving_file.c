@@ -37,11 +37,11 @@ static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, 
 
 static void list_bodies(const moving *m, const moving_domain *d, item_list *bodies)
 {
-    for (uint64_t i = 0; i < d->bodies.n; ++i)
-        if (moving_is_own(d, moving_body_at(m, &d->bodies, i)))
-            list_add(bodies, moving_body_at(m, &d->bodies, i), 1, m->body_bytes);
-    for (uint64_t i = 0; !bodies->failed && i < bodies->n; ++i)
-        moving_body_at(m, bodies, i)->at = NO_PLACE;
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        if (moving_is_own(d, b))
+            moving_add_coming(m, b, 0, bodies);
+    }
 }
 
 // An end that is far away now, and that of a contact which is none any more, is not here.
@@ -61,7 +61,7 @@ static bool is_kept(const moving_domain *d, const domain_contacts *c, uint32_t i
            (c->touches[i] & TOUCH_POINTS);
 }
 
-// Those in the motion, of which some have travelled, too.
+// Lists the contacts in the motion; some of them have travelled, too.
 static void list_kept(const moving *m, const moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts all;

@@ -118,12 +118,15 @@ static bool begin_batch(const moving *m, const fresh_list *list, uint64_t from, 
     uint32_t n = 1;
     while (from + n < list->n && one[n].domain == one->domain)
         ++n;
+    const moving_domain *d = &m->domains[one->domain];
     *b = (batch){.list = one, .rows = malloc(n * sizeof *b->rows), .all = {.n = n}};
-    for (uint32_t i = 0; b->rows && i < n; ++i)
-        b->rows[i] = m->domains[one->domain].told.rows[one[i].row];
-    bool ok = domain_contacts_reserve(&b->all, m->domains[one->domain].motion, true, own);
-    return (ok && b->rows) ||
-           error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+    if (!domain_contacts_reserve(&b->all, d->motion, true, own) || !b->rows)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+    for (uint32_t i = 0; i < n; ++i) {
+        b->rows[i] = d->told.rows[one[i].row];
+        b->all.links[i] = d->told.links[one[i].row];
+    }
+    return true;
 }
 
 static char *record_at(const moving *m, const batch *b, uint32_t i)
@@ -133,18 +136,9 @@ static char *record_at(const moving *m, const batch *b, uint32_t i)
 
 static void write_out(const moving *m, const batch *b, char *rows)
 {
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
     const moving_domain *d = &m->domains[b->list->domain];
-    for (uint32_t i = 0; i < b->all.n; ++i) {
-        char *to = rows + b->list[i].at * m->contact_bytes;
-        const uint32_t *ends = d->told.links[b->list[i].row].s;
-        const moving_contact head = {.owner = moving_id(m, d, ends[0]),
-                                     .other = moving_id(m, d, ends[1]),
-                                     .touch = b->all.touches[i],
-                                     .colour = b->all.colours[i]};
-        memcpy(to, &head, sizeof head);
-        memcpy(to + sizeof head, record_at(m, b, i), record);
-    }
+    for (uint32_t i = 0; i < b->all.n; ++i)
+        moving_write_contact(m, d, &b->all, i, (void *)(rows + b->list[i].at * m->contact_bytes));
 }
 
 static void fill(moving *m, const fresh_list *list, parcels *out, duet_error *own)
@@ -221,7 +215,7 @@ static void forget_left(const moving *m, moving_domain *d, const batch *b)
         const left_contact one = d->left.contacts[i];
         bool came = false;
         for (; at < b->all.n && !came; at += !came) {
-            const uint32_t *ends = d->told.links[b->list[at].row].s;
+            const uint32_t *ends = b->all.links[at].s;
             uint32_t owner = moving_id(m, d, ends[0]), other = moving_id(m, d, ends[1]);
             came = owner == one.owner && other == one.other;
             if (owner > one.owner || (owner == one.owner && other > one.other))

@@ -109,10 +109,10 @@ static uint32_t count_fresh(const moving *m, const moving_domain *d)
     return n;
 }
 
-static bool reserve(const moving *m, const moving_domain *d, replacement *r)
+static bool reserve(const moving *m, const moving_domain *d, replacement *r, duet_error *own)
 {
     domain_bodies *b = &r->bodies;
-    size_t n = d->bodies.n + FIXED, contacts = d->contacts.n + 1;
+    const size_t n = d->bodies.n + FIXED;
     b->n = (uint32_t)d->bodies.n;
     b->n_fresh = count_fresh(m, d);
     b->poses = malloc(n * sizeof *b->poses);
@@ -120,12 +120,9 @@ static bool reserve(const moving *m, const moving_domain *d, replacement *r)
     b->from = malloc(n * sizeof *b->from);
     b->fresh = malloc((b->n_fresh + 1) * sizeof *b->fresh);
     b->states = malloc(b->n_fresh * (m->body_bytes - sizeof(moving_body)) + 1);
-    r->contacts.links = malloc(contacts * sizeof *r->contacts.links);
-    r->contacts.touches = malloc(contacts * sizeof *r->contacts.touches);
-    r->contacts.colours = malloc(contacts * sizeof *r->contacts.colours);
-    r->contacts.records = malloc(contacts * (m->contact_bytes - sizeof(moving_contact)) + 1);
-    return b->poses && b->bodies && b->from && b->fresh && b->states && r->contacts.links &&
-           r->contacts.touches && r->contacts.colours && r->contacts.records;
+    r->contacts.n = (uint32_t)d->contacts.n;
+    return domain_contacts_reserve(&r->contacts, d->motion, true, own) && b->poses && b->bodies &&
+           b->from && b->fresh && b->states;
 }
 
 static void fill_bodies(const moving *m, const moving_domain *d, replacement *r)
@@ -242,7 +239,7 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     if (is_well(own))
         keep_contacts(m, d, own);
     moving_keep_base(m, d->motion);
-    if (!reserve(m, d, &r)) {
+    if (!reserve(m, d, &r, own)) {
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
     } else if (is_well(own)) {

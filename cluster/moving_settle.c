@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a step and commands made of bodies and contacts is read before these are exchanged.
+// Bodies and contacts are read as a step and commands left them, before they are exchanged.
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"

@@ -35,7 +35,7 @@ typedef struct ranks {
     double processors; // the host's processors for this rank: the processors that it may use, each
                        // divided among the ranks of the host that may use it, too
     const simulation *simulation;        // NULL: they are real
-    const struct ghost_traffic *traffic; // of simulated bodies that move; else NULL
+    const struct ghost_traffic *traffic; // simulated bodies that move have it; else NULL
     uint32_t stands_for; // objects of a larger scene, for each object; 1 if they are real
     bool goes_first;     // on this host, where the others wait
     bool began_mpi;

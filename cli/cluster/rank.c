@@ -35,7 +35,7 @@ typedef struct run_state {
     double *total_ms; // [args.repeat], of which n_steps were taken; ascending at the end
     uint64_t n_steps;
     bool is_stopped;                   // a rank was asked to stop, so all did
-    double traffic_ms[GHOST_TRAFFICS]; // of a step in which ghosts come so often
+    double traffic_ms[GHOST_TRAFFICS]; // that a step takes if ghosts come so often
     duet_cluster_rank *ranks;
     reference_check check;
 } run_state;

@@ -27,7 +27,7 @@ typedef struct moved {
     rank_picture pictures;
     rank_check check;
     rank_tune tune;
-    duet_grade grade; // of what the store knows of the ranks
+    duet_grade grade; // that the store gives what it knows of the ranks
     duet_cluster_motion_result last;
     double all_ms;
     double slowest_ms, mean_ms; // that ranks were busy, in all steps

@@ -9,8 +9,8 @@
 typedef struct rank_picture {
     ranks *ranks;
     moving *motion;
-    const char *file;   // of one picture; NULL: none
-    const char *folder; // of frames; NULL: none
+    const char *file;   // for one picture; NULL: none
+    const char *folder; // for frames; NULL: none
     uint64_t n_frames;
     duet_scene *scene; // rank 0's, if it draws
     duet_motion_def def;

@@ -60,7 +60,7 @@ static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
     return true;
 }
 
-// Walls are the objects after the last.
+// Walls are the objects after the last. A contact in another domain has no place at all.
 static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
 {
     motion_rows rows;
@@ -70,7 +70,7 @@ static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
         return false;
     for (uint32_t i = 0; i < m->graph.n_contacts; ++i) {
         uint32_t *link = motion_row(&rows, i);
-        link[1] += link[1] >= old_n ? m->n - old_n : 0;
+        link[1] += link[0] < old_n && link[1] >= old_n ? m->n - old_n : 0;
     }
     return motion_rows_close(m, &rows, err);
 }

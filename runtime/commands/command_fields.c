@@ -61,7 +61,7 @@ static uint32_t parts_of(uint32_t which)
 }
 
 // Contacts of one colour share no body that moves; contacts of a body that has a mass from now
-// on may have done so.
+// on may have done so. A wall has no place, nor has a contact in another domain.
 static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
 {
     motion_rows links, colours;
@@ -75,8 +75,9 @@ static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
     }
     for (uint32_t i = 0; i < m->graph.n_contacts; ++i) {
         const uint32_t *link = motion_row(&links, i);
-        if (gained[link[0]] || (link[1] < m->n && gained[link[1]]))
-            *(uint32_t *)motion_row(&colours, i) = COLOUR_NONE;
+        for (int end = 0; end < 2; ++end)
+            if (link[end] < m->n && gained[link[end]])
+                *(uint32_t *)motion_row(&colours, i) = COLOUR_NONE;
     }
     motion_rows_drop(&links);
     return motion_rows_close(m, &colours, err);

@@ -312,7 +312,7 @@ static double of_all_ranks(const cJSON *result, const char *name)
     return sum;
 }
 
-// Where ghosts come after each colour both sides send a message of at least 20 us (there are two
+// If ghosts come after each colour, both sides send a message of at least 20 us (there are two
 // links) after each of 112 colours, and with the impulses; then what a step ends with.
 static void assert_sends_for_each_colour(const cJSON *moving, const cJSON *still)
 {
@@ -324,7 +324,7 @@ static void assert_sends_for_each_colour(const cJSON *moving, const cJSON *still
     assert_true(json_number(moving, "colours_between") == 1);
 }
 
-// Of all numbers of colours that are tried one takes the least time.
+// One of the numbers of colours that are tried takes the least time, and is told.
 static void assert_best_is_told(const cJSON *moving)
 {
     const cJSON *all = json_array(moving, "exchanges", 5);
