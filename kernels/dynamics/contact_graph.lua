@@ -39,17 +39,17 @@ return {
       const float *boxes
       const real4 *velocities
       const float *sensors    if SENSORS == 1
-      real4 ground_origin     if GROUND > 0
-      const float *ground_values  if GROUND == 1
-      real4 ground_spacing    if GROUND == 1
-      int4 ground_size        if GROUND == 1
-      const uint *mesh_nodes  if GROUND == 2
-      const real4 *centres    if CARRIED == 1
-      const real4 *rotations  if CARRIED == 1
-      const real4 *angular_velocities  if CARRIED == 1
-      uint carrier            if CARRIED == 1
-      float dt                if CARRIED == 1
-      real contact_margin     if GROUND > 0
+      real4 ground_origin  only if GROUND > 0
+      const float *ground_values  only if GROUND == 1
+      real4 ground_spacing  only if GROUND == 1
+      int4 ground_size  only if GROUND == 1
+      const uint *mesh_nodes  only if GROUND == 2
+      const real4 *centres  only if CARRIED == 1
+      const real4 *rotations  only if CARRIED == 1
+      const real4 *angular_velocities  only if CARRIED == 1
+      uint carrier  only if CARRIED == 1
+      float dt  only if CARRIED == 1
+      real contact_margin  only if GROUND > 0
       uint n
       uint fill
       volatile uint *starts
@@ -81,17 +81,17 @@ return {
       const float *sensors    if SENSORS == 1
       real4 lower             if BOUNDARY == 1
       real4 upper             if BOUNDARY == 1
-      real4 ground_origin     if GROUND > 0
-      const float *ground_values  if GROUND == 1
-      real4 ground_spacing    if GROUND == 1
-      int4 ground_size        if GROUND == 1
-      const uint *mesh_nodes  if GROUND == 2
-      const real4 *centres    if CARRIED == 1
-      const real4 *rotations  if CARRIED == 1
-      const real4 *angular_velocities  if CARRIED == 1
-      uint carrier            if CARRIED == 1
-      float dt                if CARRIED == 1
-      real contact_margin     if GROUND > 0
+      real4 ground_origin  only if GROUND > 0
+      const float *ground_values  only if GROUND == 1
+      real4 ground_spacing  only if GROUND == 1
+      int4 ground_size  only if GROUND == 1
+      const uint *mesh_nodes  only if GROUND == 2
+      const real4 *centres  only if CARRIED == 1
+      const real4 *rotations  only if CARRIED == 1
+      const real4 *angular_velocities  only if CARRIED == 1
+      uint carrier  only if CARRIED == 1
+      float dt  only if CARRIED == 1
+      real contact_margin  only if GROUND > 0
       uint n
       volatile uint *team
       uint stage
