@@ -44,12 +44,12 @@ return {
       real4 ground_spacing  only if GROUND == 1
       int4 ground_size  only if GROUND == 1
       const uint *mesh_nodes  only if GROUND == 2
-      const real4 *centres    if CARRIED == 1
-      const real4 *rotations  if CARRIED == 1
-      const real4 *angular_velocities  if CARRIED == 1
+      const real4 *centres  only if CARRIED == 1
+      const real4 *rotations  only if CARRIED == 1
+      const real4 *angular_velocities  only if CARRIED == 1
       uint carrier  only if CARRIED == 1
-      float dt                if CARRIED == 1
-      real contact_margin     if GROUND > 0
+      float dt  only if CARRIED == 1
+      real contact_margin  only if GROUND > 0
       uint n
       uint fill
       volatile uint *starts
@@ -86,12 +86,12 @@ return {
       real4 ground_spacing  only if GROUND == 1
       int4 ground_size  only if GROUND == 1
       const uint *mesh_nodes  only if GROUND == 2
-      const real4 *centres    if CARRIED == 1
-      const real4 *rotations  if CARRIED == 1
-      const real4 *angular_velocities  if CARRIED == 1
+      const real4 *centres  only if CARRIED == 1
+      const real4 *rotations  only if CARRIED == 1
+      const real4 *angular_velocities  only if CARRIED == 1
       uint carrier  only if CARRIED == 1
-      float dt                if CARRIED == 1
-      real contact_margin     if GROUND > 0
+      float dt  only if CARRIED == 1
+      real contact_margin  only if GROUND > 0
       uint n
       volatile uint *team
       uint stage

@@ -6,7 +6,6 @@
 // work-item goes through both side by side.
 //
 //   starts, others  the new rows
-#define NO_ROW 0xffffffffu
 #define AHEAD 8 // contacts whose records are asked for in time
 
 // The first place from low on whose other is not below.
@@ -40,11 +39,11 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_old);
-    uint row = NO_ROW, low = 0, end = 0;
+    uint row = NO_PLACE, low = 0, end = 0;
     for (uint i = first; i < last; ++i) {
         uint2 link = old_links[i];
-        if (link.x == NO_ROW) { // it went to another domain
-            row = NO_ROW;
+        if (link.x == NO_PLACE) { // it went to another domain
+            row = NO_PLACE;
             continue;
         }
         if (link.x != row) {

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "matches the last step's contacts with the new ones, and moves their impulses over",
-  uses = { "dynamics/records.h", "dynamics/contact.clh" },
+  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/contact.clh" },
   params = {
     common.DIMS, common.TURN, common.MAY_RESPOND, common.FRICTION, common.SLEEP, common.GROUP(64),
     common.ROWS_AN_ITEM,

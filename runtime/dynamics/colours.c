@@ -44,8 +44,7 @@ static bool sort_colours(duet_motion *m, duet_error *err)
         radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
                        err) &&
         motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->awake.n_contacts + 1, err) &&
-        timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
-                            err) &&
+        motion_start_flags(m, err) &&
         timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
     if (ok)
         lay_colours(&m->solver, m->layout.block, starts);
@@ -127,13 +126,11 @@ static bool launch_colouring(duet_motion *m, duet_error *err)
 static bool colour_by_team(duet_motion *m, duet_error *err)
 {
     contact_solver *s = &m->solver;
-    buffer *b = m->buffers;
     uint32_t starts[KEYS + 1];
     s->sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
-    if (!launch_colouring(m, err) ||
-        !timeline_start_read(&m->times, "flags", &b[FLAG_WORDS], 0, m->flags, sizeof m->flags,
-                             err) ||
-        !timeline_read(&m->times, "graph_colour", &b[COLOUR_STARTS], starts, sizeof starts, err))
+    if (!launch_colouring(m, err) || !motion_start_flags(m, err) ||
+        !timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts,
+                       sizeof starts, err))
         return false;
     if (m->flags[FLAG_ROUNDS] > MOST_ROUNDS)
         m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - MOST_ROUNDS);

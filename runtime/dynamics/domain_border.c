@@ -53,8 +53,7 @@ static bool count_listed(duet_motion *m, cl_uint *n, duet_error *err)
     return motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
            motion_launch(m, stage, m->border.count_border, (uint64_t)all + 1, err) &&
            scan_run(&m->graph.scan, &m->times, stage, starts, starts, all + 1, err) &&
-           timeline_start_read(&m->times, "flags", &m->buffers[FLAG_WORDS], 0, m->flags,
-                               sizeof m->flags, err) &&
+           motion_start_flags(m, err) &&
            motion_fetch(m, stage, BORDER_STARTS, all * sizeof *n, n, sizeof *n, err);
 }
 

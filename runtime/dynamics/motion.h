@@ -179,6 +179,13 @@ static inline bool motion_read_flags(duet_motion *m, duet_error *err)
                          err);
 }
 
+// The same, but does not wait.
+static inline bool motion_start_flags(duet_motion *m, duet_error *err)
+{
+    return timeline_start_read(&m->times, "flags", &m->buffers[FLAG_WORDS], 0, m->flags,
+                               sizeof m->flags, err);
+}
+
 // The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
                            const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
