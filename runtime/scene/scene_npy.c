@@ -238,8 +238,10 @@ static bool check_size(const npy *file, const duet_scene *scene, duet_error *err
                          (unsigned long long)n, (unsigned long long)columns,
                          scene_columns_right(scene));
     if (n > DUET_MOST_OBJECTS / scene->per_row)
-        return error_set(err, DUET_STATUS_TOO_MANY, "%s: %llu objects; a scene holds at most %u",
-                         file->path, (unsigned long long)n * scene->per_row, DUET_MOST_OBJECTS);
+        return error_set(err, DUET_STATUS_TOO_MANY,
+                         scene->per_row == 1 ? "%s: %llu objects; a scene holds at most %u"
+                                             : "%s: %llu pairs; a file of pairs holds at most %u",
+                         file->path, (unsigned long long)n, DUET_MOST_OBJECTS / scene->per_row);
     uint64_t wanted = n * columns * file->item_bytes;
     if (file->data_length != wanted)
         return error_set(err, DUET_STATUS_BAD_INPUT,

@@ -132,9 +132,30 @@ static const char *first_line(const scene_source *source)
     return source->bytes + (strncmp(source->bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
 }
 
+static uint32_t count_fields(const char *line)
+{
+    uint32_t n = 0;
+    for (const char *at = skip_blanks(line); !ends_line(*at); ++n) {
+        at = skip_blanks(field_end(at));
+        at = *at == ',' ? skip_blanks(at + 1) : at;
+    }
+    return n;
+}
+
+// Names of pairs that nothing follows must be as many as the numbers that could.
+static bool check_names(const duet_scene *scene, const char *names, scene_place place,
+                        duet_error *err)
+{
+    return !names || scene->per_row == 1 || scene->columns != 0 ||
+           scene_columns_fit(scene, count_fields(names)) ||
+           refuse_field(skip_blanks(names), 1, place, err);
+}
+
 bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *err)
 {
     const char *at = first_line(source);
+    const char *names = NULL;
+    scene_place named = {.path = source->name};
     bool may_be_header = true;
     for (scene_place place = {.path = source->name, .line = 1}; *at; ++place.line) {
         if (place.line % LINES_AT_ONCE == 0) {
@@ -146,11 +167,13 @@ bool scene_read_text(duet_scene *scene, const scene_source *source, duet_error *
         bool header = may_be_header && !blank && is_header(at);
         if (!blank && !header && !read_line(scene, at, place, err))
             return false;
+        names = header ? at : names;
+        named.line = header ? place.line : named.line;
         may_be_header = may_be_header && blank;
         at += strcspn(at, "\n");
         at += *at == '\n';
     }
-    return true;
+    return check_names(scene, names, named, err);
 }
 
 bool scene_is_text(const scene_source *source)

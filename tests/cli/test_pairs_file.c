@@ -80,6 +80,7 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
          "pairs.csv:1: pair 0, first pose: the quaternion is zero; 0 0 0 1 is no rotation"},
         {"1 2 3 4 5 6 7 8 9 10 11 12\n",
          "pairs.csv:1: pair 0 has 12 numbers; it must have 20, or 10 in 2D"},
+        {"hello world\n", "pairs.csv:1: column 1: 'hello' is not a number"},
         {TOUCHING "0 0 1 1 0 0 0 1 1 0\n",
          "pairs.csv:2: pair 1 has 10 numbers, where those before it have 20"},
     };
@@ -92,6 +93,21 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
     test_write_file("pairs.lua", "return {}");
     must_fail(duet_scene_load_pairs("pairs.lua", ERR), DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, "pairs.lua: pairs are read from .npy or text");
+}
+
+// A header alone says how many there are.
+TEST(too_many_pairs_are_called_pairs)
+{
+    text t = {0};
+    text_add(&t, "%-117s\n",
+             "{'descr': '<f4', 'fortran_order': False, 'shape': (4294967293, 20), }");
+    FILE *file = fopen("many.npy", "wb");
+    assert_int_equal(fwrite("\x93NUMPY\1\0\x76\0", 1, 10, file), 10);
+    assert_int_equal(fwrite(t.chars, 1, t.length, file), t.length);
+    fclose(file);
+    text_free(&t);
+    must_fail(duet_scene_load_pairs("many.npy", ERR), DUET_STATUS_TOO_MANY,
+              "many.npy: 4294967293 pairs; a file of pairs holds at most 2147483646");
 }
 
 // ------------------------------------------------------------ writing
