@@ -69,7 +69,7 @@ TEST(a_kernel_without_a_reference_is_compared_with_itself)
         {"explain", "right: as kernel saxpy itself on B alone, within 1e-06: only sharing is "
                     "checked"},
     };
-    char text[sizeof task_text];
+    char text[sizeof task_text + 2];
     size_t n = (size_t)(strstr(task_text, "  reference") - task_text);
     snprintf(text, sizeof text, "%.*s}\n", (int)n, task_text);
     test_write_file("saxpy.task.lua", text);
