@@ -10,15 +10,13 @@ function report.line(format, ...) told[#told + 1] = format:format(...) end
 
 -- A line that goes on below, further in, if it is wider than a terminal.
 function report.wrapped(format, ...)
-  local line
-  for word in format:format(...):gmatch("%s*%S+") do
-    if line and #line + #word > 80 then
-      told[#told + 1], line = line, "   " .. word
-    else
-      line = (line or "") .. word
-    end
+  local rest, at = format:format(...), 81
+  while #rest > 80 and at > 4 do
+    at = 81
+    while at > 4 and rest:sub(at, at) ~= " " do at = at - 1 end
+    if at > 4 then told[#told + 1], rest = rest:sub(1, at - 1), "    " .. rest:sub(at + 1) end
   end
-  told[#told + 1] = line
+  told[#told + 1] = rest
 end
 
 -- A table with these heads, if any. Returns the function that adds a row; a cell that is nil is left out.
