@@ -40,7 +40,8 @@ add_library(duet::static ALIAS duet_static)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/duet)
 set(pc_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pc_to_prefix /${pc_dir} /)
-# CMake would find them in the build tree itself, if that is in PATH.
+# CMake would find them in the build tree itself, if that is in PATH; trees of before had them there.
+file(REMOVE ${CMAKE_CURRENT_BINARY_DIR}/duet-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/duet-config-version.cmake)
 set(packaged ${CMAKE_CURRENT_BINARY_DIR}/packaged/config)
 configure_package_config_file(runtime/duet-config.cmake.in ${packaged}/duet-config.cmake
   INSTALL_DESTINATION ${config_dir})
