@@ -100,15 +100,8 @@ static void find_rows(const moving *m, fresh_list *list)
 // Contacts of one domain, of those that travel.
 typedef struct batch {
     const fresh_contact *list;
-    uint32_t *rows;
     domain_contacts all;
 } batch;
-
-static void free_batch(batch *b)
-{
-    domain_contacts_free(&b->all);
-    free(b->rows);
-}
 
 // The next contacts of one domain, from `from` on.
 static bool begin_batch(const moving *m, const fresh_list *list, uint64_t from, batch *b,
@@ -119,11 +112,11 @@ static bool begin_batch(const moving *m, const fresh_list *list, uint64_t from, 
     while (from + n < list->n && one[n].domain == one->domain)
         ++n;
     const moving_domain *d = &m->domains[one->domain];
-    *b = (batch){.list = one, .rows = malloc(n * sizeof *b->rows), .all = {.n = n}};
-    if (!domain_contacts_reserve(&b->all, d->motion, true, own) || !b->rows)
+    *b = (batch){.list = one, .all = {.n = n, .rows = malloc(n * sizeof *b->all.rows)}};
+    if (!domain_contacts_reserve(&b->all, d->motion, true, own) || !b->all.rows)
         return error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
     for (uint32_t i = 0; i < n; ++i) {
-        b->rows[i] = d->told.rows[one[i].row];
+        b->all.rows[i] = d->told.rows[one[i].row];
         b->all.links[i] = d->told.links[one[i].row];
     }
     return true;
@@ -146,11 +139,11 @@ static void fill(moving *m, const fresh_list *list, parcels *out, duet_error *ow
     for (uint64_t from = 0; is_well(own) && from < list->n;) {
         batch b;
         bool ok = begin_batch(m, list, from, &b, own) &&
-                  domain_read_rows(m->domains[b.list->domain].motion, b.rows, &b.all, own);
+                  domain_read_rows(m->domains[b.list->domain].motion, &b.all, own);
         if (ok)
             write_out(m, &b, out->rows);
         from += b.all.n > 0 ? b.all.n : 1;
-        free_batch(&b);
+        domain_contacts_free(&b.all);
     }
 }
 
@@ -233,11 +226,11 @@ static void take(moving *m, const fresh_list *list, const parcels *in, duet_erro
         batch b;
         if (begin_batch(m, list, from, &b, own)) {
             read_in(m, in->rows, &b);
-            if (domain_write_rows(m->domains[b.list->domain].motion, b.rows, &b.all, own))
+            if (domain_write_rows(m->domains[b.list->domain].motion, &b.all, own))
                 forget_left(m, &m->domains[b.list->domain], &b);
         }
         from += b.all.n > 0 ? b.all.n : 1;
-        free_batch(&b);
+        domain_contacts_free(&b.all);
     }
 }
 

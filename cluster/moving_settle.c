@@ -201,8 +201,7 @@ static void read_travelling(moving *m, moving_domain *d, item_list *contacts, du
     if (!is_well(own) || !domain_list_border(d->motion, &listed, own))
         return;
     leave_travelling(d, &listed);
-    if (domain_reserve_rows(&listed, d->motion, own) &&
-        domain_read_rows(d->motion, listed.rows, &listed, own))
+    if (domain_reserve_rows(&listed, d->motion, own) && domain_read_rows(d->motion, &listed, own))
         add_contacts(m, d, &listed, contacts, own);
     domain_contacts_free(&listed);
 }

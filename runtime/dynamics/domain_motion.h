@@ -61,10 +61,9 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 // Reads contacts, which the caller frees. A link of NO_PLACE is of none that is here.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
-// Reads c->n contacts of so many rows, all but their links, and writes them.
-bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, duet_error *err);
-bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
-                       duet_error *err);
+// Reads the contacts of c->rows, all but their links, and writes them.
+bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err);
+bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err);
 
 // Two parts of a row by object, in words: where they begin, how many are taken, and how many of
 // every four; 0: all.

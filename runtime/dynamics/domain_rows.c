@@ -167,26 +167,25 @@ bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *pa
 
 typedef bool move_some(duet_motion *m, const some_rows *s, void *packed, duet_error *err);
 
-static bool move_contacts(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
-                          move_some *move, duet_error *err)
+static bool move_contacts(duet_motion *m, const domain_contacts *c, move_some *move,
+                          duet_error *err)
 {
     const uint32_t record = m->layout.record;
-    const some_rows touches = {TOUCHES, 1, {.words = {1}}, rows, c->n},
-                    colours = {COLOUR_OF, 1, {.words = {1}}, rows, c->n},
-                    records = {CONTACTS, record, {.words = {record}}, rows, c->n};
+    const some_rows touches = {TOUCHES, 1, {.words = {1}}, c->rows, c->n},
+                    colours = {COLOUR_OF, 1, {.words = {1}}, c->rows, c->n},
+                    records = {CONTACTS, record, {.words = {record}}, c->rows, c->n};
     return move(m, &touches, c->touches, err) && move(m, &colours, c->colours, err) &&
            move(m, &records, c->records, err);
 }
 
-bool domain_read_rows(duet_motion *m, const uint32_t *rows, domain_contacts *c, duet_error *err)
+bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err)
 {
-    return move_contacts(m, rows, c, pack, err);
+    return move_contacts(m, c, pack, err);
 }
 
-bool domain_write_rows(duet_motion *m, const uint32_t *rows, const domain_contacts *c,
-                       duet_error *err)
+bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
 {
-    return move_contacts(m, rows, c, unpack, err) && domain_await_rows(m, err);
+    return move_contacts(m, c, unpack, err) && domain_await_rows(m, err);
 }
 
 bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
