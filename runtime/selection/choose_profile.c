@@ -108,16 +108,25 @@ bool duet_tree_load_profile(duet_tree *tree, const char *query, uint64_t n, cons
     return tell(&c, profile);
 }
 
+// Looks for the plan of a motion by an objective; NULL: the time on one pair.
+static bool look_for_motion(choice *c, const duet_motion *m, const char *objective,
+                            const char *path, duet_profile *profile, duet_error *err)
+{
+    *profile = (duet_profile){
+        .grade = DUET_GRADE_DEFAULT, .plan = m->def.plan, .level = DUET_LEVEL_CERTIFIED};
+    if (!profile_subject_read_motion(m, &c->asked, err))
+        return false;
+    c->asked.objective = objective;
+    return look(c, path, err);
+}
+
 bool duet_motion_load_profile(duet_motion *m, const char *path, duet_profile *profile,
                               duet_error *err)
 {
     PUBLIC_CALL(err);
     choice c;
-    if (!motion_is_whole(m, __func__, err) || !error_given(profile, __func__, "profile", err))
-        return false;
-    *profile = (duet_profile){
-        .grade = DUET_GRADE_DEFAULT, .plan = m->def.plan, .level = DUET_LEVEL_CERTIFIED};
-    if (!profile_subject_read_motion(m, &c.asked, err) || !look(&c, path, err) ||
+    if (!motion_is_whole(m, __func__, err) || !error_given(profile, __func__, "profile", err) ||
+        !look_for_motion(&c, m, NULL, path, profile, err) ||
         (is_trusted(&c) && !duet_motion_set_plan(m, &c.plan, err)))
         return false;
     profile->plan = m->def.plan;
@@ -128,12 +137,7 @@ bool choose_over_ranks(const duet_motion *m, const char *objective, const char *
                        duet_profile *profile, duet_error *err)
 {
     choice c;
-    *profile = (duet_profile){
-        .grade = DUET_GRADE_DEFAULT, .plan = m->def.plan, .level = DUET_LEVEL_CERTIFIED};
-    if (!profile_subject_read_motion(m, &c.asked, err))
-        return false;
-    c.asked.objective = objective;
-    if (!look(&c, path, err))
+    if (!look_for_motion(&c, m, objective, path, profile, err))
         return false;
     if (is_trusted(&c))
         profile->plan = c.plan;
