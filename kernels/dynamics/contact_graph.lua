@@ -1,4 +1,19 @@
 -- SPDX-License-Identifier: MIT
+-- What the ground is to a kernel that asks which bodies come near to it.
+local ground = [[
+  real4 ground_origin  only if GROUND > 0
+  const float *ground_values  only if GROUND == 1
+  real4 ground_spacing  only if GROUND == 1
+  int4 ground_size  only if GROUND == 1
+  const uint *mesh_nodes  only if GROUND == 2
+  const real4 *centres  only if CARRIED == 1
+  const real4 *rotations  only if CARRIED == 1
+  const real4 *angular_velocities  only if CARRIED == 1
+  uint carrier  only if CARRIED == 1
+  float dt  only if CARRIED == 1
+  real contact_margin  only if GROUND > 0
+]]
+
 return {
   about = "the contact graph: which bodies each body may touch",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/mesh_rows.h",
@@ -39,17 +54,7 @@ return {
       const float *boxes
       const real4 *velocities
       const float *sensors    if SENSORS == 1
-      real4 ground_origin  only if GROUND > 0
-      const float *ground_values  only if GROUND == 1
-      real4 ground_spacing  only if GROUND == 1
-      int4 ground_size  only if GROUND == 1
-      const uint *mesh_nodes  only if GROUND == 2
-      const real4 *centres  only if CARRIED == 1
-      const real4 *rotations  only if CARRIED == 1
-      const real4 *angular_velocities  only if CARRIED == 1
-      uint carrier  only if CARRIED == 1
-      float dt  only if CARRIED == 1
-      real contact_margin  only if GROUND > 0
+    ]] .. ground .. [[
       uint n
       uint fill
       volatile uint *starts
@@ -81,17 +86,7 @@ return {
       const float *sensors    if SENSORS == 1
       real4 lower             if BOUNDARY == 1
       real4 upper             if BOUNDARY == 1
-      real4 ground_origin  only if GROUND > 0
-      const float *ground_values  only if GROUND == 1
-      real4 ground_spacing  only if GROUND == 1
-      int4 ground_size  only if GROUND == 1
-      const uint *mesh_nodes  only if GROUND == 2
-      const real4 *centres  only if CARRIED == 1
-      const real4 *rotations  only if CARRIED == 1
-      const real4 *angular_velocities  only if CARRIED == 1
-      uint carrier  only if CARRIED == 1
-      float dt  only if CARRIED == 1
-      real contact_margin  only if GROUND > 0
+    ]] .. ground .. [[
       uint n
       volatile uint *team
       uint stage
