@@ -214,14 +214,15 @@ static bool choose_traffic(run_state *r, duet_error *err)
     const unsigned long stored = stored_colours(r->profile);
     uint32_t best = 0;
     bool ok = true;
-    for (uint32_t i = 0; ok && *now && i < GHOST_TRAFFICS; ++i) {
+    if (!*now)
+        return true;
+    for (uint32_t i = 0; ok && i < GHOST_TRAFFICS; ++i) {
         *now = &ghost_traffics[i];
         ok = step(r, err);
         r->traffic_ms[i] = r->result.total_ms;
         best = r->traffic_ms[i] < r->traffic_ms[best] ? i : best;
     }
-    if (*now)
-        *now = stored > 0 ? ghost_traffic_of((uint32_t)stored) : &ghost_traffics[best];
+    *now = stored > 0 ? ghost_traffic_of((uint32_t)stored) : &ghost_traffics[best];
     return ok;
 }
 

@@ -23,7 +23,7 @@ static uint64_t fewest_steps(const rank_tune *t)
     return (uint64_t)RIVALS * t->race.options.least_rounds;
 }
 
-// What could not be kept in the end takes no step.
+// Nothing takes a step that could not be kept in the end.
 static bool check_store(duet_error *err)
 {
     record r;
