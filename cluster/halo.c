@@ -66,7 +66,7 @@ static bool settle_list(halo_side *s, const moving *m, duet_error *own)
         qsort(s->items.items, s->items.n, sizeof(halo_item), compare);
     for (uint64_t i = 0; i < s->items.n; ++i) {
         halo_item *item = item_at(s, i);
-        item->place = moving_place(m, &m->domains[item->domain], item->id);
+        item->place = moving_place(&m->domains[item->domain], item->id);
     }
     return true;
 }

@@ -54,20 +54,6 @@ static inline void list_append(item_list *l, const item_list *more, size_t bytes
     list_add(l, more->items, more->n, bytes);
 }
 
-// Gives each item more bytes, of 0, behind those that it has; false without memory, and the list is
-// as it was.
-static inline bool list_widen(item_list *l, size_t before, size_t bytes)
-{
-    unsigned char *wide = calloc(l->capacity + 1, bytes);
-    if (!wide)
-        return false;
-    for (uint64_t i = 0; i < l->n; ++i)
-        memcpy(wide + i * bytes, (unsigned char *)l->items + i * before, before);
-    free(l->items);
-    l->items = wide;
-    return true;
-}
-
 // Keeps the memory. One that has failed tries again.
 static inline void list_clear(item_list *l)
 {

@@ -176,7 +176,7 @@ static void measure_rows(moving *m)
     const duet_motion *first = m->domains[0].motion;
     m->def = first->def; // whose ground is a copy
     m->every = first->plan.colours > 0 ? first->plan.colours : 1;
-    m->body_bytes = sizeof(moving_body) + domain_state_bytes(first);
+    m->traveller_bytes = sizeof(moving_traveller) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
 }
 
@@ -203,26 +203,36 @@ static bool open_all(moving *m, const duet_motion *known, const moving_start *st
 
 // ---------------------------------------------------------------- bodies, from rank 0
 
-// Adds bodies of the whole to the first domain, as if they were its own; `reader` has them.
-static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t n, duet_error *own)
+// Bodies [first, first + n) of the whole, as if they were the first domain's own; `reader` has
+// them.
+static bool begin_some(const moving *m, duet_motion *reader, uint32_t first, uint32_t n,
+                       moving_domain *some, duet_error *own)
 {
-    moving_domain *to = &m->domains[0];
-    moving_domain some = {.motion = reader, .number = to->number};
-    some.bodies.items = calloc((size_t)n + 1, m->body_bytes);
-    if (!some.bodies.items)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", n);
-    for (uint32_t i = 0; is_well(own) && i < n; ++i) {
-        moving_body *b = moving_body_at(m, &some.bodies, i);
-        b->id = first + i;
-        b->own = b->domain = to->number;
-        b->complete = 1;
-    }
-    some.bodies.n = is_well(own) ? n : 0;
-    moving_read_bodies(m, &some, own);
-    for (uint32_t i = 0; i < some.bodies.n; ++i)
-        moving_body_at(m, &some.bodies, i)->at = NO_PLACE;
-    list_append(&to->bodies, &some.bodies, m->body_bytes);
-    free(some.bodies.items);
+    *some = (moving_domain){.motion = reader, .number = m->domains[0].number, .n_own = n};
+    some->bodies.rows = malloc(((size_t)n + 1) * sizeof *some->bodies.rows);
+    if (!some->bodies.rows)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", n);
+    for (uint32_t i = 0; i < n; ++i)
+        some->bodies.rows[i] = (moving_body){.id = first + i, .own = some->number, .complete = 1};
+    some->bodies.n = n;
+    return true;
+}
+
+static void end_some(moving_domain *some)
+{
+    free(some->bodies.rows);
+    free(some->places);
+}
+
+static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t n,
+                       item_list *bodies, duet_error *own)
+{
+    moving_domain some;
+    row_list places = {0};
+    if (begin_some(m, reader, first, n, &some, own))
+        moving_read_all(m, &some, &places, bodies, own);
+    end_some(&some);
+    free(places.rows);
 }
 
 // Before any body is there: by where the scene has them.
@@ -244,15 +254,18 @@ static bool cut_scene(moving *m, const duet_motion *known, duet_error *own)
 
 static bool begin_bodies(moving *m, const duet_motion *known, duet_error *own)
 {
+    item_list bodies = {0};
     bool ok = cut_scene(m, known, own);
     for (uint32_t first = 0, n; ok && first < m->n_all; first += n) {
         n = m->n_all - first < CHUNK ? m->n_all - first : CHUNK;
         duet_motion *reader = m->domains[0].motion;
         if (known &&
             domain_begin_bodies(reader, known->poses + first, known->bodies + first, n, own))
-            add_bodies(m, reader, first, n, own);
-        ok = moving_migrate(m, own);
+            add_bodies(m, reader, first, n, &bodies, own);
+        ok = moving_migrate(m, &bodies, own);
+        list_clear(&bodies);
     }
+    free(bodies.items);
     return ok;
 }
 
@@ -263,17 +276,29 @@ static void forget_told(const moving *m, const item_list *contacts)
         moving_contact_at(m, contacts, i)->told_by = TOLD_BY_NONE;
 }
 
-// All bodies are the first domain's own until they migrate.
-static bool deal_bodies(moving *m, duet_motion *known, item_list *contacts, duet_error *own)
+// Reads all bodies, and the contacts that go with them.
+static void read_whole(moving *m, moving_domain *all, item_list *bodies, item_list *contacts,
+                       duet_error *own)
 {
-    moving_domain all = {.motion = known, .number = m->domains[0].number};
+    row_list places = {0};
+    moving_read_all(m, all, &places, bodies, own);
+    for (uint64_t i = 0; is_well(own) && !bodies->failed && i < bodies->n; ++i)
+        all->bodies.rows[i].next = moving_traveller_at(m, bodies, i)->domain;
+    if (is_well(own) && moving_touches(m))
+        moving_read_contacts(m, all, contacts, own);
+    free(places.rows);
+}
+
+static bool deal_bodies(moving *m, duet_motion *known, item_list *bodies, item_list *contacts,
+                        duet_error *own)
+{
+    moving_domain all = {0};
     if (known)
-        add_bodies(m, known, 0, known->n, own);
-    m->domains[0].n_own = (uint32_t)m->domains[0].bodies.n;
-    bool ok = moving_cut(m, own);
-    all.bodies = m->domains[0].bodies;
-    if (ok && known && moving_touches(m))
-        moving_read_contacts(m, &all, contacts, own);
+        begin_some(m, known, 0, known->n, &all, own);
+    bool ok = moving_cut(m, &all, known ? 1 : 0, own);
+    if (ok && known)
+        read_whole(m, &all, bodies, contacts, own);
+    end_some(&all);
     forget_told(m, contacts);
     for (uint32_t k = 0; k < m->parts; ++k)
         forget_told(m, &m->domains[k].contacts);
@@ -284,11 +309,12 @@ static bool deal_bodies(moving *m, duet_motion *known, item_list *contacts, duet
 
 static bool fill(moving *m, duet_motion *known, const moving_start *start, duet_error *own)
 {
-    item_list contacts = {0};
+    item_list bodies = {0}, contacts = {0};
     bool ok = open_all(m, known, start, own) &&
-              (begins_on_device(&m->def, start) ? deal_bodies(m, known, &contacts, own)
+              (begins_on_device(&m->def, start) ? deal_bodies(m, known, &bodies, &contacts, own)
                                                 : begin_bodies(m, known, own)) &&
-              moving_exchange(m, &contacts, own);
+              moving_exchange(m, &bodies, &contacts, own);
+    free(bodies.items);
     free(contacts.items);
     return ok;
 }
@@ -324,7 +350,9 @@ void moving_end(moving *m)
         return;
     for (uint32_t k = 0; m->domains && k < m->parts; ++k) {
         duet_motion_destroy(m->domains[k].motion);
-        free(m->domains[k].bodies.items);
+        free(m->domains[k].bodies.rows);
+        free(m->domains[k].gone.rows);
+        free(m->domains[k].came.items);
         free(m->domains[k].contacts.items);
         free(m->domains[k].used);
         free(m->domains[k].ghost_at);
@@ -358,7 +386,7 @@ void moving_get_own_ids(const moving *m, uint32_t k, uint64_t *ids)
 {
     const moving_domain *d = &m->domains[k];
     for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        const moving_body *b = &d->bodies.rows[i];
         ids[i] = moving_is_own(d, b) ? b->id : DUET_NO_BODY;
     }
 }

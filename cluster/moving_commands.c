@@ -75,11 +75,11 @@ static void write_id(const void *context, uint64_t i, void *row)
 typedef LIST_OF(uint64_t, ids) id_list;
 
 // The ids that bodies in the n lowest empty places of a domain would have.
-static void list_empty(const moving *m, const moving_domain *d, uint32_t n, id_list *empty)
+static void list_empty(const moving_domain *d, uint32_t n, id_list *empty)
 {
     const motion_commands *c = d->motion->commands;
     for (uint64_t i = 0, found = 0; i < d->bodies.n && found < n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        const moving_body *b = &d->bodies.rows[i];
         const uint64_t id = (uint64_t)c->generations[i] << 32 | b->id;
         if (c->states[i] != PLACE_EMPTY || !moving_is_own(d, b))
             continue;
@@ -116,7 +116,7 @@ static uint64_t *choose_ids(const moving *m, const command *c, duet_error *own)
     if (!ids)
         error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for %u ids", c->call, n);
     for (uint32_t k = 0; k < m->parts; ++k)
-        list_empty(m, &m->domains[k], n, &empty);
+        list_empty(&m->domains[k], n, &empty);
     if (is_well(own) && empty.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for empty places", c->call);
     bool ok = parcels_deal(m->ranks, is_well(own), sizeof *ids, empty.n, first_rank, write_id,
@@ -189,7 +189,7 @@ static void list_part(const moving *m, const moving_domain *d, const command *c,
 {
     for (uint32_t i = 0; is_well(&p->err) && i < c->list.n; ++i) {
         uint64_t id = c->list.ids ? c->list.ids[i] : c->list.first + (uint64_t)i;
-        uint32_t place = moving_place(m, d, (uint32_t)id);
+        uint32_t place = moving_place(d, (uint32_t)id);
         if (!command_check_id(c, i, m->n_all, &p->err))
             p->blamed = i;
         if (!is_well(&p->err) || place == UINT32_MAX)
@@ -215,8 +215,8 @@ static void list_coming(const moving *m, const moving_domain *d, const command *
                         const uint64_t *ids, command_part *p)
 {
     for (uint32_t i = 0; i < c->list.n; ++i) {
-        uint32_t place = moving_place(m, d, (uint32_t)ids[i]);
-        if ((uint32_t)ids[i] < m->n_all && moving_owns(m, d, place))
+        uint32_t place = moving_place(d, (uint32_t)ids[i]);
+        if ((uint32_t)ids[i] < m->n_all && moving_owns(d, place))
             add_to_part(p, c, i, place, ids[i]);
         else if ((uint32_t)ids[i] >= m->n_all &&
                  domain_at(m, (const duet_pose *)c->rows + i) == d->number)
@@ -314,22 +314,18 @@ static bool find_facts(const moving *m, command_part *parts, effect_facts *facts
 static void add_new_bodies(moving *m, moving_domain *d, const command_part *p, duet_error *own)
 {
     const uint64_t n = d->bodies.n + p->n_new;
-    moving_body *b = calloc(1, m->body_bytes);
     uint32_t *used = realloc(d->used, (n + 1) * sizeof *used);
     d->used = used ? used : d->used;
-    for (uint32_t i = 0; b && used && i < p->c.list.n; ++i) {
-        b->id = (uint32_t)p->ids[i];
-        b->own = b->domain = d->number;
-        b->complete = 1;
-        if (b->id < m->n_all)
+    for (uint32_t i = 0; used && i < p->c.list.n; ++i) {
+        const moving_body b = {.id = (uint32_t)p->ids[i], .own = d->number, .complete = 1};
+        if (b.id < m->n_all)
             continue;
         used[d->bodies.n] = 0;
-        list_add(&d->bodies, b, 1, m->body_bytes);
+        list_add(&d->bodies.list, &b, 1, sizeof b);
         ++d->n_own;
     }
-    if (!b || !used || d->bodies.failed)
+    if (!used || d->bodies.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for bodies that come", p->c.call);
-    free(b);
 }
 
 static void act_on(moving *m, moving_domain *d, command_part *p, effect_facts facts,
@@ -435,16 +431,12 @@ static given_command give_shared(moving *m, const command *c, const command *to,
 // Lets all bodies keep what commands leave. Rows that travel are longer from then on.
 static bool keep_commands(moving *m, duet_error *own)
 {
-    const size_t before = m->body_bytes;
     if (m->keeps_commands)
         return true;
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         motion_begin_commands(m->domains[k].motion, own);
     m->keeps_commands = true;
-    m->body_bytes = before + domain_command_bytes(m->domains[0].motion);
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        if (!list_widen(&m->domains[k].bodies, before, m->body_bytes))
-            error_set(own, DUET_STATUS_NO_MEMORY, "commands to bodies: no memory");
+    m->traveller_bytes += domain_command_bytes(m->domains[0].motion);
     return ranks_agree(m->ranks, is_well(own), own);
 }
 
@@ -467,7 +459,7 @@ static void read_user_data(const moving *m, const moving_domain *d, const comman
                            uint64_t *data)
 {
     for (uint32_t i = 0; m->keeps_commands && i < p->c.list.n; ++i)
-        if (moving_owns(m, d, p->c.places[i]))
+        if (moving_owns(d, p->c.places[i]))
             data[p->of[i]] = d->motion->commands->user_data[p->c.places[i]];
 }
 

@@ -43,34 +43,50 @@ uint64_t moving_sampled(uint64_t n)
 }
 
 // Own bodies, evenly over them.
-static void choose_sampled(const moving *m, const moving_domain *d, uint64_t every,
-                           row_list *places)
+static void choose_sampled(const moving_domain *d, uint64_t every, row_list *places)
 {
     uint64_t n = 0;
     for (uint64_t i = 0; i < d->bodies.n; ++i)
-        if (moving_is_own(d, moving_body_at(m, &d->bodies, i)) && n++ % every == 0)
+        if (moving_is_own(d, &d->bodies.rows[i]) && n++ % every == 0)
             row_list_add(places, (uint32_t)i);
+}
+
+// What is known of them.
+typedef struct sampled {
+    uint32_t *used;
+    char *states;
+} sampled;
+
+static bool read_sampled(const moving *m, const moving_domain *d, const row_list *places,
+                         sampled *s, duet_error *own)
+{
+    const uint32_t n = (uint32_t)places->n;
+    s->used = calloc(places->n + 1, sizeof *s->used);
+    s->states = malloc(places->n * domain_state_bytes(d->motion) + 1);
+    if (!s->used || !s->states || places->failed)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
+    return domain_read_states(d->motion, places->rows, n, s->states, own) &&
+           (!moving_pushes(m) || domain_read_used(d->motion, places->rows, n, s->used, own));
 }
 
 // Their centres; each stands for the work of as many.
 static void sample(const moving *m, const moving_domain *d, item_list *points, duet_error *own)
 {
     const uint64_t every = moving_sampled(d->n_own);
+    const size_t state = domain_state_bytes(d->motion);
     row_list places = {0};
-    choose_sampled(m, d, every, &places);
-    uint32_t *used = calloc(places.n + 1, sizeof *used);
-    if (!used || places.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
-    else if (moving_pushes(m))
-        domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own);
-    for (uint64_t i = 0; is_well(own) && i < places.n; ++i) {
-        const uint32_t ends = (uint32_t)__builtin_popcount(used[i]);
+    sampled s = {0};
+    choose_sampled(d, every, &places);
+    bool ok = read_sampled(m, d, &places, &s, own);
+    for (uint64_t i = 0; ok && i < places.n; ++i) {
+        const uint32_t ends = (uint32_t)__builtin_popcount(s.used[i]);
         bisection_point point = {.weight = (double)every * work_of(&m->balance.model, 1, ends)};
-        moving_centre(m, moving_body_at(m, &d->bodies, places.rows[i]), point.at);
+        domain_centre(d->motion, s.states + i * state, point.at);
         list_add(points, &point, 1, sizeof point);
     }
     free(places.rows);
-    free(used);
+    free(s.used);
+    free(s.states);
 }
 
 // Rank 0 cuts, so that all ranks have the same planes even if their machines round in different
@@ -91,11 +107,11 @@ bool moving_cut_by(moving *m, const item_list *points, duet_error *own)
     return ok;
 }
 
-bool moving_cut(moving *m, duet_error *own)
+bool moving_cut(moving *m, const moving_domain *domains, uint32_t n, duet_error *own)
 {
     item_list points = {0};
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        sample(m, &m->domains[k], &points, own);
+    for (uint32_t k = 0; is_well(own) && k < n; ++k)
+        sample(m, &domains[k], &points, own);
     bool ok = moving_cut_by(m, &points, own);
     m->next_cut = m->counts.step + LEAST_STEPS;
     m->balance.lost = 0.0;

@@ -25,19 +25,26 @@
 #include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
 
-// A body as it travels. Its state (domain_state_bytes) lies behind.
+// A body of a domain's motion.
 typedef struct moving_body {
-    uint32_t domain;   // that it goes to
-    uint32_t own;      // the domain whose own it is
     uint32_t id;       // its place among all bodies
-    uint32_t at;       // its place in the domain's motion when bodies were read; NO_PLACE: it came
-    float bounds[6];   // that ghosts are chosen by
-    uint32_t acts;     // whether it has contacts with what does not
-    uint32_t complete; // whether its own domain has all its contacts: those of what acted since
+    uint32_t own;      // the domain whose own it is
+    uint32_t next;     // and is to be, while bodies are exchanged; of a ghost only if all travel
+    uint16_t acts;     // whether it has contacts with what does not
+    uint16_t complete; // whether its own domain has all its contacts: those of what acted since
                        // bodies were exchanged
-    duet_pose pose;    // as given
-    duet_body body;
 } moving_body;
+
+typedef LIST_OF(moving_body, rows) body_list;
+
+// A body as it travels. Its state (domain_state_bytes) lies behind.
+typedef struct moving_traveller {
+    uint32_t domain; // that it goes to
+    moving_body body;
+    float far_box[6]; // that ghosts are chosen by
+    duet_pose pose;   // as given
+    duet_body given;
+} moving_traveller;
 
 // A contact of the last step. Its record lies behind.
 typedef struct moving_contact {
@@ -58,22 +65,26 @@ typedef LIST_OF(left_contact, contacts) left_list;
 
 typedef struct moving_domain {
     duet_motion *motion;
-    uint32_t number;    // of all ranks' domains
-    item_list bodies;   // ascending by id; the motion's, place by place
+    uint32_t number;  // of all ranks' domains
+    body_list bodies; // ascending by id; the motion's, place by place
+    row_list gone;    // places of those that are not to stay, ascending; while bodies are exchanged
+    item_list came;   // travellers that the motion is to get, its own ones first, and so many
+    uint64_t n_came_own;
+    extent reach;       // of own bodies that act and stay
     item_list contacts; // ascending; those that travelled and the next step begins with, until that
                         // begins
     uint32_t n_own;
-    uint32_t *used;         // [bodies], a bit for each colour of the contacts that it has here: of
-                            // bodies that others are told of, and of ends of what waits
-    uint32_t *ghost_at;     // [bodies] of the halo's received items; CLOSURE_NONE: an own body
-    domain_place *places;   // [bodies + FIXED], apart from the long rows of bodies
-    row_list in_order;      // its contacts of COLOUR_OVERFLOW: ascending places among those of all
-    row_list neighbours;    // domains whose reaches meet its own
-    left_list left;         // contacts of two ghosts that are not as at home: ascending
-    domain_contacts told;   // contacts of the step that the host looks at, with colours if they are
-                            // solved here
-    row_list border;        // those of them that have a ghost
-    row_list waiting;       // and those that wait for a colour
+    uint32_t *used;       // [bodies], a bit for each colour of the contacts that it has here: of
+                          // bodies that others are told of, and of ends of what waits
+    uint32_t *ghost_at;   // [bodies] of the halo's received items; CLOSURE_NONE: an own body
+    domain_place *places; // [bodies + FIXED], apart from the long rows of bodies
+    row_list in_order;    // its contacts of COLOUR_OVERFLOW: ascending places among those of all
+    row_list neighbours;  // domains whose reaches meet its own
+    left_list left;       // contacts of two ghosts that are not as at home: ascending
+    domain_contacts told; // contacts of the step that the host looks at, with colours if they are
+                          // solved here
+    row_list border;      // those of them that have a ghost
+    row_list waiting;     // and those that wait for a colour
 } moving_domain;
 
 // Whether ranks have equal work.
@@ -97,7 +108,7 @@ struct moving {
     cl_int4 base;        // the origin cell that all count from
     bool keeps_commands; // states have what commands left
     uint64_t n_commands; // since the last step
-    size_t body_bytes, contact_bytes;
+    size_t traveller_bytes, contact_bytes;
     bisection cuts;
     extent *reaches;        // [n_domains], when bodies were last exchanged
     moving_domain *domains; // [parts]
@@ -110,9 +121,10 @@ struct moving {
     moving_counts counts;
 };
 
-static inline moving_body *moving_body_at(const moving *m, const item_list *bodies, uint64_t i)
+static inline moving_traveller *moving_traveller_at(const moving *m, const item_list *rows,
+                                                    uint64_t i)
 {
-    return (moving_body *)(void *)((char *)bodies->items + i * m->body_bytes);
+    return (moving_traveller *)(void *)((char *)rows->items + i * m->traveller_bytes);
 }
 
 static inline moving_contact *moving_contact_at(const moving *m, const item_list *contacts,
@@ -121,9 +133,9 @@ static inline moving_contact *moving_contact_at(const moving *m, const item_list
     return (moving_contact *)(void *)((char *)contacts->items + i * m->contact_bytes);
 }
 
-static inline char *moving_state(moving_body *b)
+static inline char *moving_state(moving_traveller *t)
 {
-    return (char *)(b + 1);
+    return (char *)(t + 1);
 }
 
 static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
@@ -138,10 +150,9 @@ static inline bool moving_decides(const moving_domain *d, const moving_body *b)
 }
 
 // Returns the body at a place; NULL: a wall, or the ground.
-static inline const moving_body *moving_body_or_wall(const moving *m, const moving_domain *d,
-                                                     uint32_t place)
+static inline const moving_body *moving_body_or_wall(const moving_domain *d, uint32_t place)
 {
-    return place < d->bodies.n ? moving_body_at(m, &d->bodies, place) : NULL;
+    return place < d->bodies.n ? &d->bodies.rows[place] : NULL;
 }
 
 // Whether the domain owns the body at a place, or wall, and it acts.
@@ -159,10 +170,9 @@ static inline bool moving_decides_contact(const moving_domain *d, const uint32_t
 
 // Whether events tell of a contact of two places by its other end: by the lesser one that acts, in
 // whose domain all is known of it, though commands change who owns it; else by the owner.
-static inline bool moving_other_tells(const moving *m, const moving_domain *d, uint32_t owner,
-                                      uint32_t other)
+static inline bool moving_other_tells(const moving_domain *d, uint32_t owner, uint32_t other)
 {
-    const moving_body *a = moving_body_or_wall(m, d, owner), *b = moving_body_or_wall(m, d, other);
+    const moving_body *a = moving_body_or_wall(d, owner), *b = moving_body_or_wall(d, other);
     return b && b->acts && !(a && a->acts && a->id < b->id);
 }
 
@@ -173,25 +183,22 @@ static inline bool moving_is_ghost(const moving_domain *d, uint32_t place)
 }
 
 // Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
-static inline bool moving_owns(const moving *m, const moving_domain *d, uint32_t place)
+static inline bool moving_owns(const moving_domain *d, uint32_t place)
 {
-    return place != UINT32_MAX && moving_is_own(d, moving_body_at(m, &d->bodies, place));
+    return place != UINT32_MAX && moving_is_own(d, &d->bodies.rows[place]);
 }
 
 static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32_t place)
 {
-    const moving_body *b = moving_body_or_wall(m, d, place);
+    const moving_body *b = moving_body_or_wall(d, place);
     return b ? b->id : m->n_all + (place - (uint32_t)d->bodies.n);
 }
 
-void moving_centre(const moving *m, const moving_body *b, double at[3]);
-void moving_velocity(const moving *m, const moving_body *b, double velocity[3]);
-
-// Returns the domain whose box holds a body.
-uint32_t moving_domain_of(const moving *m, const moving_body *b);
+// Returns the domain whose box holds a body of that state.
+uint32_t moving_domain_of(const moving *m, const char *state);
 
 // The place of a body in a domain; UINT32_MAX: it is not there.
-uint32_t moving_place(const moving *m, const moving_domain *d, uint32_t id);
+uint32_t moving_place(const moving_domain *d, uint32_t id);
 
 // Returns whether bodies push each other.
 static inline bool moving_pushes(const moving *m)
@@ -221,8 +228,13 @@ static inline bool moving_touches(const moving *m)
 // Makes a motion without bodies, as a part of all of them.
 duet_motion *moving_create(const moving *m, duet_error *own);
 
-// Reads what a step and commands made of a domain's bodies; not collective.
-void moving_read_bodies(moving *m, moving_domain *d, duet_error *own);
+// Reads what a step and commands made of a domain's bodies at ascending places, and adds them as
+// travellers to where they are to be own ones. Their far boxes are there. Not collective.
+void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, item_list *to,
+                        duet_error *own);
+
+// The same of all its bodies, whose far boxes are made; places become all.
+void moving_read_all(moving *m, moving_domain *d, row_list *places, item_list *to, duet_error *own);
 
 // Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
 // all domains that have what it may touch.
@@ -231,28 +243,31 @@ bool moving_stays(const moving *m, const moving_domain *d, const extent *old, co
 // Reads all domains' bodies and contacts, and exchanges them. Collective.
 bool moving_settle(moving *m, duet_error *own);
 
-// Adds a body that comes to a domain.
-void moving_add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out);
+// An extent in float, rounded inward or outward, so that what float says of bounds is right; in 2D
+// all lies in it along z.
+void moving_round_extent(const moving *m, const extent *e, bool inward, float to[6]);
 
-// Brings own bodies to the domains that their centres lie in. Collective.
-bool moving_migrate(moving *m, duet_error *own);
+// Brings own bodies to their domains. Collective.
+bool moving_migrate(moving *m, item_list *bodies, duet_error *own);
 
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
-bool moving_exchange(moving *m, item_list *contacts, duet_error *own);
+bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own);
 
 // Adds to a step's agreement what this rank had to do, and then what all had; both once a step.
 void moving_note_work(moving *m, tally *t);
 bool moving_compare_work(moving *m, const tally *t, duet_error *own);
 
-// Whether ranks' work is so unequal that a cut pays, and a cut anew, before bodies change domains.
+// Whether ranks' work is so unequal that a cut pays, and a cut anew by the bodies of n domains of
+// this rank, before bodies change domains.
 bool moving_cut_is_due(const moving *m);
-bool moving_cut(moving *m, duet_error *own);
+bool moving_cut(moving *m, const moving_domain *domains, uint32_t n, duet_error *own);
 
 // Cuts by points (bisection_point), for which one in so many of n bodies is enough.
 bool moving_cut_by(moving *m, const item_list *points, duet_error *own);
 uint64_t moving_sampled(uint64_t n);
 
-// Sorts a domain's bodies and contacts, and makes them those of its motion.
+// Sorts a domain's travellers and contacts, and makes them those of its motion instead of what is
+// gone.
 void moving_replace(moving *m, moving_domain *d, duet_error *own);
 
 // Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
@@ -261,6 +276,13 @@ void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_err
 
 // Makes a motion of all bodies that of a file; not collective.
 bool moving_load(duet_motion *whole, const char *path, duet_error *own);
+
+// Whether all bodies travel when they are exchanged, also those that stay: they do if commands left
+// more than motions have, and without contacts, for nothing says then which bodies leave.
+static inline bool moving_all_travel(const moving *m)
+{
+    return m->keeps_commands || !moving_touches(m);
+}
 
 // Whether all contacts of a domain travel when bodies are exchanged, also those that stay there:
 // they do if they tell something, or others solve them, too.
@@ -278,6 +300,9 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 
 // Tells of the places of a domain's motion as its bodies are now.
 void moving_note_places(const moving *m, moving_domain *d, duet_error *own);
+domain_place moving_place_of(const moving_domain *d, const moving_body *b, const duet_body *given);
+bool moving_reserve_places(moving_domain *d, uint64_t n, duet_error *own);
+void moving_note_fixed(const moving *m, moving_domain *d, uint64_t n);
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);

@@ -36,7 +36,7 @@ static void add_told(moving *m, const moving_domain *d, duet_error *own)
 {
     for (uint64_t i = 0; is_well(own) && i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        if (moving_owns(m, d, moving_place(m, d, c->told_by)))
+        if (moving_owns(d, moving_place(d, c->told_by)))
             add_pair(m, &m->events.now, c->owner, c->other, own);
     }
 }
@@ -59,8 +59,8 @@ static void add_touching(moving *m, const moving_domain *d, duet_error *own)
     else if (domain_read_told(d->motion, told, own))
         for (size_t i = 0; d->bodies.n > 0 && is_well(own) && i < e->links.n; ++i) {
             duet_pair link = e->links.pairs[i];
-            uint32_t by = moving_other_tells(m, d, link.a, link.b) ? link.b : link.a;
-            if (told[i] && moving_owns(m, d, by))
+            uint32_t by = moving_other_tells(d, link.a, link.b) ? link.b : link.a;
+            if (told[i] && moving_owns(d, by))
                 add_pair(m, &m->events.now, moving_id(m, d, link.a), moving_id(m, d, link.b), own);
         }
     free(told);
@@ -69,9 +69,9 @@ static void add_touching(moving *m, const moving_domain *d, duet_error *own)
 // ---------------------------------------------------------------- hits
 
 // Only what has a mass is pushed, and of two such bodies the lesser is the owner.
-static uint32_t owner_of(const moving *m, const moving_domain *d, const duet_hit_event *hit)
+static uint32_t owner_of(const moving_domain *d, const duet_hit_event *hit)
 {
-    return moving_body_at(m, &d->bodies, hit->a)->body.mass > 0.0f ? hit->a : hit->b;
+    return d->motion->bodies[hit->a].mass > 0.0f ? hit->a : hit->b;
 }
 
 static bool add_hits(moving *m, const moving_domain *d, duet_error *own)
@@ -84,7 +84,7 @@ static bool add_hits(moving *m, const moving_domain *d, duet_error *own)
         return false;
     for (size_t i = 0; i < n; ++i) {
         duet_hit_event hit = hits[i];
-        if (!moving_owns(m, d, owner_of(m, d, &hit)))
+        if (!moving_owns(d, owner_of(d, &hit)))
             continue;
         hit.a = moving_id(m, d, hit.a);
         hit.b = moving_id(m, d, hit.b);

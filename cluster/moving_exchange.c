@@ -2,8 +2,11 @@
 // Bodies, contacts and ghosts go to the domains where the next step needs them.
 #include "cluster/moving_domains.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "cluster/parcels.h"
+
+#include <inttypes.h>
 
 // ---------------------------------------------------------------- rows that travel
 
@@ -54,9 +57,9 @@ static bool deal(moving *m, item_list *rows, size_t bytes, list_of_domain *list,
     return ok;
 }
 
-static item_list *bodies_of(moving_domain *d)
+static item_list *came_of(moving_domain *d)
 {
-    return &d->bodies;
+    return &d->came;
 }
 
 static item_list *contacts_of(moving_domain *d)
@@ -66,60 +69,36 @@ static item_list *contacts_of(moving_domain *d)
 
 // ---------------------------------------------------------------- own bodies
 
-void moving_add_coming(const moving *m, const moving_body *b, uint32_t domain, item_list *out)
+bool moving_migrate(moving *m, item_list *bodies, duet_error *own)
 {
-    list_add(out, b, 1, m->body_bytes);
-    if (out->failed)
-        return;
-    moving_body *last = moving_body_at(m, out, out->n - 1);
-    last->domain = domain;
-    last->at = NO_PLACE;
-}
-
-// Ghosts go, and own bodies that another domain's box holds are sent there.
-static void leave(moving *m, moving_domain *d, item_list *out)
-{
-    uint64_t kept = 0;
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        moving_body *b = moving_body_at(m, &d->bodies, i);
-        if (!moving_is_own(d, b))
-            continue;
-        b->domain = b->own = moving_domain_of(m, b);
-        if (!moving_is_own(d, b))
-            moving_add_coming(m, b, b->domain, out);
-        else
-            memmove(moving_body_at(m, &d->bodies, kept++), b, m->body_bytes);
+    for (uint64_t i = 0; !bodies->failed && i < bodies->n; ++i) {
+        moving_traveller *t = moving_traveller_at(m, bodies, i);
+        t->body.own = t->domain;
     }
-    d->bodies.n = kept;
-}
-
-bool moving_migrate(moving *m, duet_error *own)
-{
-    item_list out = {0};
+    bool ok = deal(m, bodies, m->traveller_bytes, came_of, own);
     for (uint32_t k = 0; k < m->parts; ++k)
-        leave(m, &m->domains[k], &out);
-    bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
-    for (uint32_t k = 0; k < m->parts; ++k)
-        m->domains[k].n_own = (uint32_t)m->domains[k].bodies.n;
-    free(out.items);
+        m->domains[k].n_came_own = m->domains[k].came.n;
     return ok;
 }
 
 // ---------------------------------------------------------------- ghosts
 
-// The bounds of a domain's own bodies that act: only these have contacts that change or tell
+static extent far_extent(const moving_traveller *t)
+{
+    const float *b = t->far_box;
+    return (extent){{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+}
+
+// The far boxes of a domain's own bodies that act: only these have contacts that change or tell
 // something.
 static extent reach_of(const moving *m, const moving_domain *d)
 {
-    extent reach = extent_none;
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        const double lower[3] = {b->bounds[0], b->bounds[1], b->bounds[2]};
-        const double upper[3] = {b->bounds[3], b->bounds[4], b->bounds[5]};
-        if (!b->acts)
-            continue;
-        extent_add(&reach, lower);
-        extent_add(&reach, upper);
+    extent reach = d->reach;
+    for (uint64_t i = 0; i < d->n_came_own; ++i) {
+        const moving_traveller *t = moving_traveller_at(m, &d->came, i);
+        const extent box = far_extent(t);
+        if (t->body.acts)
+            extent_join(&reach, &box);
     }
     return reach;
 }
@@ -132,20 +111,66 @@ static double layers_of(const moving *m)
     return lesser(m->every - 1.0, most);
 }
 
-static void add_ghosts_of(moving *m, const moving_domain *d, const moving_body *b, item_list *out)
+static void add_ghosts_of(moving *m, const moving_domain *d, const moving_traveller *t,
+                          item_list *out)
 {
-    const extent box = {{b->bounds[0], b->bounds[1], b->bounds[2]},
-                        {b->bounds[3], b->bounds[4], b->bounds[5]}};
+    const extent box = far_extent(t);
     for (uint32_t to = 0; to < m->n_domains; ++to) {
         if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
-        moving_add_coming(m, b, to, out);
+        list_add(out, t, 1, m->traveller_bytes);
+        if (!out->failed)
+            moving_traveller_at(m, out, out->n - 1)->domain = to;
         halo_add(&m->halo.sent.items, &(halo_item){.rank = to / m->parts,
                                                    .to = to,
                                                    .from = d->number,
-                                                   .id = b->id,
+                                                   .id = t->body.id,
                                                    .domain = d->number % m->parts});
     }
+}
+
+// Own bodies that stay and are near to others, of those that the device lists.
+static void choose_staying(const moving_domain *d, const domain_near *near, uint32_t n,
+                           row_list *places)
+{
+    for (uint32_t i = 0; i < n; ++i)
+        if (!bsearch(&near[i].place, d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32))
+            row_list_add(places, near[i].place);
+    if (places->n > 0 && !places->failed)
+        qsort(places->rows, places->n, sizeof *places->rows, compare_uint32);
+}
+
+static void list_staying(const moving *m, const moving_domain *d, row_list *places, duet_error *own)
+{
+    float(*extents)[6] = malloc(m->n_domains * sizeof *extents);
+    domain_near *near = NULL;
+    uint32_t n = 0, n_extents = 0;
+    if (!extents)
+        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+    for (uint32_t k = 0; extents && k < m->n_domains; ++k)
+        if (k != d->number && extent_widest(&m->reaches[k]) >= 0.0)
+            moving_round_extent(m, &m->reaches[k], false, extents[n_extents++]);
+    if (is_well(own) && domain_list_meeting(d->motion, extents[0], n_extents, &near, &n, own))
+        choose_staying(d, near, n, places);
+    free(extents);
+    free(near);
+}
+
+static void send_ghosts(moving *m, moving_domain *d, item_list *out, duet_error *own)
+{
+    row_list places = {0};
+    item_list rows = {0};
+    if (!moving_all_travel(m) && d->bodies.n > 0)
+        list_staying(m, d, &places, own);
+    moving_read_bodies(m, d, &places, &rows, own);
+    for (uint64_t i = 0; is_well(own) && !rows.failed && i < rows.n; ++i)
+        add_ghosts_of(m, d, moving_traveller_at(m, &rows, i), out);
+    for (uint64_t i = 0; is_well(own) && i < d->n_came_own; ++i)
+        add_ghosts_of(m, d, moving_traveller_at(m, &d->came, i), out);
+    if (rows.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+    free(places.rows);
+    free(rows.items);
 }
 
 static void note_ghosts(moving *m)
@@ -153,8 +178,8 @@ static void note_ghosts(moving *m)
     m->n_ghosts = 0;
     for (uint32_t k = 0; k < m->parts; ++k) {
         const moving_domain *d = &m->domains[k];
-        for (uint64_t i = d->n_own; i < d->bodies.n; ++i) {
-            const moving_body *b = moving_body_at(m, &d->bodies, i);
+        for (uint64_t i = d->n_came_own; i < d->came.n; ++i) {
+            const moving_body *b = &moving_traveller_at(m, &d->came, i)->body;
             halo_add(&m->halo.received.items, &(halo_item){.rank = b->own / m->parts,
                                                            .to = d->number,
                                                            .from = b->own,
@@ -199,10 +224,10 @@ static bool exchange_ghosts(moving *m, duet_error *own)
     halo_clear(&m->halo);
     if (!find_reaches(m, own))
         return false;
-    for (uint32_t k = 0; k < m->parts; ++k)
-        for (uint64_t i = 0; i < m->domains[k].bodies.n; ++i)
-            add_ghosts_of(m, &m->domains[k], moving_body_at(m, &m->domains[k].bodies, i), &out);
-    bool ok = deal(m, &out, m->body_bytes, bodies_of, own);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        send_ghosts(m, &m->domains[k], &out, own);
+    m->counts.sent += out.n;
+    bool ok = deal(m, &out, m->traveller_bytes, came_of, own);
     if (ok && is_well(own))
         note_ghosts(m);
     free(out.items);
@@ -278,28 +303,35 @@ static void mark_places(moving *m, duet_error *own)
         domain_mark_places(m->domains[k].motion, m->domains[k].places, own);
 }
 
-static bool reserve_places(moving_domain *d, duet_error *own)
+bool moving_reserve_places(moving_domain *d, uint64_t n, duet_error *own)
 {
-    domain_place *places = realloc(d->places, (d->bodies.n + FIXED) * sizeof *places);
+    domain_place *places = realloc(d->places, (n + FIXED) * sizeof *places);
     d->places = places ? places : d->places;
-    return places || error_set(own, DUET_STATUS_NO_MEMORY, "the places of %u bodies: no memory",
-                               (uint32_t)d->bodies.n);
+    return places ||
+           error_set(own, DUET_STATUS_NO_MEMORY, "the places of %" PRIu64 " bodies: no memory", n);
+}
+
+domain_place moving_place_of(const moving_domain *d, const moving_body *b, const duet_body *given)
+{
+    const bool is_own = moving_is_own(d, b), moves = given->mass > 0.0f;
+    return (domain_place){b->id, (is_own ? PLACE_OWN : 0) | (moves ? PLACE_MOVES : 0) |
+                                     (given->sensor ? PLACE_SENSOR : 0) |
+                                     (!is_own && moves ? PLACE_SHARED : 0)};
+}
+
+void moving_note_fixed(const moving *m, moving_domain *d, uint64_t n)
+{
+    for (uint32_t k = 0; k < FIXED; ++k)
+        d->places[n + k] = (domain_place){.id = m->n_all + k};
 }
 
 void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
 {
-    if (!reserve_places(d, own))
+    if (!moving_reserve_places(d, d->bodies.n, own))
         return;
-    for (uint32_t k = 0; k < FIXED; ++k)
-        d->places[d->bodies.n + k] = (domain_place){.id = m->n_all + k};
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        domain_place *p = &d->places[i];
-        *p = (domain_place){b->id, (moving_is_own(d, b) ? PLACE_OWN : 0) |
-                                       (b->body.mass > 0.0f ? PLACE_MOVES : 0) |
-                                       (b->body.sensor ? PLACE_SENSOR : 0)};
-        p->kind |= moving_is_ghost(d, (uint32_t)i) ? PLACE_SHARED : 0;
-    }
+    moving_note_fixed(m, d, d->bodies.n);
+    for (uint64_t i = 0; i < d->bodies.n; ++i)
+        d->places[i] = moving_place_of(d, &d->bodies.rows[i], &d->motion->bodies[i]);
 }
 
 // All bodies are own ones until ghosts are noted.
@@ -319,16 +351,26 @@ static void reserve_colours(moving_domain *d, duet_error *own)
     }
 }
 
-bool moving_exchange(moving *m, item_list *contacts, duet_error *own)
+// They are long, and here only while they are exchanged.
+static void forget_travellers(moving_domain *d)
 {
-    bool ok = moving_migrate(m, own);
+    free(d->came.items);
+    d->came = (item_list){0};
+    d->n_came_own = 0;
+    list_clear(&d->gone.list);
+}
+
+bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own)
+{
+    m->counts.sent += bodies->n;
+    bool ok = moving_migrate(m, bodies, own);
     if (ok && moving_touches(m))
         ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
              share_contacts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
-        reserve_colours(&m->domains[k], own);
         moving_replace(m, &m->domains[k], own);
-        moving_note_places(m, &m->domains[k], own);
+        forget_travellers(&m->domains[k]);
+        reserve_colours(&m->domains[k], own);
     }
     if (ok)
         moving_note_touching(m, own);

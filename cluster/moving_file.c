@@ -35,13 +35,14 @@ static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, 
                         in, own);
 }
 
-static void list_bodies(const moving *m, const moving_domain *d, item_list *bodies)
+static void list_bodies(moving *m, moving_domain *d, item_list *bodies, duet_error *own)
 {
-    for (uint64_t i = 0; i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        if (moving_is_own(d, b))
-            moving_add_coming(m, b, 0, bodies);
-    }
+    row_list places = {0};
+    for (uint64_t i = 0; i < d->bodies.n; ++i)
+        if (moving_is_own(d, &d->bodies.rows[i]))
+            row_list_add(&places, (uint32_t)i);
+    moving_read_bodies(m, d, &places, bodies, own);
+    free(places.rows);
 }
 
 // An end that is far away now, and that of a contact which is none any more, is not here.
@@ -49,7 +50,7 @@ static void list_travelled(const moving *m, const moving_domain *d, item_list *c
 {
     for (uint64_t i = 0; i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        if (moving_owns(m, d, moving_place(m, d, c->owner)))
+        if (moving_owns(d, moving_place(d, c->owner)))
             list_add(contacts, c, 1, m->contact_bytes);
     }
 }
@@ -80,11 +81,11 @@ static void list_kept(const moving *m, const moving_domain *d, item_list *contac
     free(row);
 }
 
-static void list_own(const moving *m, item_list *bodies, item_list *contacts, duet_error *own)
+static void list_own(moving *m, item_list *bodies, item_list *contacts, duet_error *own)
 {
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
-        const moving_domain *d = &m->domains[k];
-        list_bodies(m, d, bodies);
+        moving_domain *d = &m->domains[k];
+        list_bodies(m, d, bodies, own);
         list_travelled(m, d, contacts);
         if (moving_touches(m) && !moving_sends_all(m))
             list_kept(m, d, contacts, own);
@@ -99,7 +100,7 @@ static duet_motion *make_whole(moving *m, const parcels *bodies, const parcels *
 {
     moving_domain whole = {
         .motion = moving_create(m, own),
-        .bodies = {.items = bodies->rows, .n = bodies->n},
+        .came = {.items = bodies->rows, .n = bodies->n},
         .contacts = {.items = contacts->rows, .n = contacts->n},
     };
     if (!whole.motion)
@@ -108,6 +109,8 @@ static duet_motion *make_whole(moving *m, const parcels *bodies, const parcels *
     if (is_well(own) && domain_make_bounds(whole.motion, own) &&
         domain_lay_rows(whole.motion, own) && m->n_commands > 0)
         motion_alter_all(whole.motion);
+    free(whole.bodies.rows);
+    free(whole.places);
     return whole.motion;
 }
 
@@ -119,7 +122,7 @@ bool moving_gather(moving *m, duet_motion **whole, duet_error *own)
     if (!moving_settle(m, own))
         return false;
     list_own(m, &bodies, &contacts, own);
-    bool ok = gather(m, &bodies, m->body_bytes, &all_bodies, own) &&
+    bool ok = gather(m, &bodies, m->traveller_bytes, &all_bodies, own) &&
               gather(m, &contacts, m->contact_bytes, &all_contacts, own);
     if (ok && is_well(own) && m->ranks->self == 0)
         *whole = make_whole(m, &all_bodies, &all_contacts, own);

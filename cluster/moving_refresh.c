@@ -9,7 +9,7 @@
 
 // A contact that is sent, or that came.
 typedef struct fresh_contact {
-    uint64_t at; // in the order in which they travel
+    uint64_t at;                         // in the order in which they travel
     uint32_t domain, row, place, colour; // the row is that of what the host was told of
 } fresh_contact;
 
@@ -151,9 +151,9 @@ static void fill(moving *m, const fresh_list *list, parcels *out, duet_error *ow
 
 static uint32_t row_of(const moving *m, const moving_domain *d, const moving_contact *c)
 {
-    const uint32_t n = (uint32_t)d->bodies.n, owner = moving_place(m, d, c->owner);
+    const uint32_t n = (uint32_t)d->bodies.n, owner = moving_place(d, c->owner);
     const uint32_t other =
-        c->other >= m->n_all ? n + (c->other - m->n_all) : moving_place(m, d, c->other);
+        c->other >= m->n_all ? n + (c->other - m->n_all) : moving_place(d, c->other);
     uint32_t low = 0, high = d->told.n;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;

@@ -2,55 +2,193 @@
 // Bodies and contacts are read as a step and commands left them, before they are exchanged.
 #include "cluster/moving_domains.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 // ---------------------------------------------------------------- bodies
 
-// Ghosts are chosen by bounds that bodies stay in for about so many steps, so that pairs are
+// Ghosts are chosen by far boxes, which bodies stay in for about so many steps, so that pairs are
 // searched more often than bodies are exchanged.
 enum { STEPS_WITHIN = 8 };
 
-// Wider by the way of a body that keeps its velocity, and by the mean extent for one that does not.
-static void widen(const moving *m, moving_body *b)
+// What is read of bodies, and a row for one of them.
+typedef struct reading {
+    char *states;
+    float *far_boxes;
+    moving_traveller *row;
+} reading;
+
+static bool begin_reading(const moving *m, size_t n, reading *r, duet_error *own)
 {
-    const duet_motion *motion = m->domains[0].motion;
-    double velocity[3];
-    moving_velocity(m, b, velocity);
-    for (int k = 0; k < 3; ++k) {
-        double way = STEPS_WITHIN * motion->def.dt * velocity[k];
-        b->bounds[k] -= (float)(motion->extent + greater(0, -way));
-        b->bounds[k + 3] += (float)(motion->extent + greater(0, way));
-    }
-    if (motion->def.dims == 2)
-        b->bounds[2] = b->bounds[5] = 0.0f;
+    r->states = malloc(n * (m->traveller_bytes - sizeof(moving_traveller)) + 1);
+    r->far_boxes = calloc(6 * n + 1, sizeof *r->far_boxes);
+    r->row = calloc(1, m->traveller_bytes);
+    return (r->states && r->far_boxes && r->row) ||
+           error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
 }
 
-void moving_read_bodies(moving *m, moving_domain *d, duet_error *own)
+static bool read_rows(const moving *m, moving_domain *d, const row_list *places, reading *r,
+                      duet_error *own)
 {
-    const size_t state = m->body_bytes - sizeof(moving_body), n = d->bodies.n;
-    char *states = malloc(n * state + 1);
-    float *bounds = malloc((6 * n + 1) * sizeof *bounds);
-    if (!states || !bounds)
-        error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
-    domain_forget_bounds(d->motion); // others than those that the next step makes
-    bool ok = is_well(own) && domain_read_states(d->motion, states, own) &&
-              (!moving_touches(m) || domain_read_bounds(d->motion, bounds, own));
-    for (uint64_t i = 0; ok && i < n; ++i) {
-        moving_body *b = moving_body_at(m, &d->bodies, i);
-        b->at =
-            m->keeps_commands ? NO_PLACE : (uint32_t)i; // commands leave more than the motion has
-        b->pose = d->motion->poses[i];
-        b->body = d->motion->bodies[i];
-        b->acts = (b->body.mass > 0.0f || b->body.sensor) &&
-                  !domain_is_hidden(d->motion, states + i * state);
-        memcpy(moving_state(b), states + i * state, state);
-        if (!moving_touches(m))
-            continue;
-        memcpy(b->bounds, bounds + 6 * i, sizeof b->bounds);
-        widen(m, b);
+    const row_parts whole = {.words = {6}};
+    const uint32_t n = (uint32_t)places->n;
+    return begin_reading(m, n, r, own) &&
+           domain_read_states(d->motion, places->rows, n, r->states, own) &&
+           (!moving_touches(m) ||
+            domain_pack_rows(d->motion, FAR_BOXES, &whole, places->rows, n, r->far_boxes, own));
+}
+
+static void fill_row(const moving *m, moving_domain *d, uint32_t place, const char *state,
+                     const float far_box[6], moving_traveller *row)
+{
+    moving_body *b = &d->bodies.rows[place];
+    const duet_body *given = &d->motion->bodies[place];
+    b->acts = (given->mass > 0.0f || given->sensor) && !domain_is_hidden(d->motion, state);
+    row->domain = moving_domain_of(m, state);
+    row->body = *b;
+    row->pose = d->motion->poses[place];
+    row->given = *given;
+    memcpy(row->far_box, far_box, sizeof row->far_box);
+    memcpy(moving_state(row), state, m->traveller_bytes - sizeof *row);
+}
+
+void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, item_list *to,
+                        duet_error *own)
+{
+    const size_t state = m->traveller_bytes - sizeof(moving_traveller);
+    reading r = {0};
+    if (is_well(own) && places->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "places of bodies: no memory");
+    bool ok = is_well(own) && read_rows(m, d, places, &r, own);
+    for (uint64_t i = 0; ok && i < places->n; ++i) {
+        fill_row(m, d, places->rows[i], r.states + i * state, r.far_boxes + 6 * i, r.row);
+        list_add(to, r.row, 1, m->traveller_bytes);
     }
-    free(states);
-    free(bounds);
+    m->counts.read += ok ? places->n : 0;
+    free(r.states);
+    free(r.far_boxes);
+    free(r.row);
+}
+
+// ---------------------------------------------------------------- bodies that leave
+
+// Makes far boxes: further by the way of a body that keeps its velocity, and by the mean extent for
+// one that does not.
+static bool make_far_boxes(const moving *m, moving_domain *d, const extent *home,
+                           domain_near **near, uint32_t *n, duet_error *own)
+{
+    domain_far far = {.time = (float)(STEPS_WITHIN * d->motion->def.dt),
+                      .margin = (float)d->motion->extent};
+    float reach[6];
+    moving_round_extent(m, home, true, far.home);
+    bool ok = domain_make_far_boxes(d->motion, &far, reach, near, n, own);
+    for (int k = 0; k < 3; ++k) {
+        d->reach.lower[k] = reach[k];
+        d->reach.upper[k] = reach[k + 3];
+    }
+    return ok;
+}
+
+void moving_read_all(moving *m, moving_domain *d, row_list *places, item_list *to, duet_error *own)
+{
+    domain_near *near = NULL;
+    uint32_t n;
+    for (uint64_t i = 0; i < d->bodies.n; ++i)
+        row_list_add(places, (uint32_t)i);
+    moving_note_places(m, d, own);
+    if (is_well(own) && moving_touches(m) && domain_mark_places(d->motion, d->places, own))
+        make_far_boxes(m, d, &extent_all, &near, &n, own);
+    free(near);
+    d->reach = extent_none;
+    moving_read_bodies(m, d, places, to, own);
+}
+
+// The domain's box, counted as bounds are.
+static extent home_of(const moving *m, const moving_domain *d)
+{
+    extent home = bisection_box(&m->cuts, d->number, &extent_all);
+    for (int k = 0; k < 3; ++k) {
+        const double base = m->base.s[k] * (double)m->def.origin_edge;
+        home.lower[k] -= base;
+        home.upper[k] -= base;
+    }
+    return home;
+}
+
+// Own bodies that may have left: their bounds have. These hold their centres.
+static void list_near_home(const moving *m, moving_domain *d, row_list *places, duet_error *own)
+{
+    domain_near *near = NULL;
+    uint32_t n = 0;
+    const extent home = home_of(m, d);
+    if (is_well(own) && make_far_boxes(m, d, &home, &near, &n, own))
+        for (uint32_t i = 0; i < n; ++i)
+            row_list_add(places, near[i].place);
+    if (places->n > 0 && !places->failed)
+        qsort(places->rows, places->n, sizeof *places->rows, compare_uint32);
+    free(near);
+}
+
+static void add_ghosts(const moving *m, moving_domain *d)
+{
+    const halo_item *ghosts = m->halo.received.items.items;
+    for (uint64_t i = 0; i < m->halo.received.items.n; ++i)
+        if (&m->domains[ghosts[i].domain] == d)
+            row_list_add(&d->gone, ghosts[i].place);
+    if (d->gone.n > 0 && !d->gone.failed)
+        qsort(d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32);
+}
+
+static void add_to_reach(moving_domain *d, const float box[6])
+{
+    extent e;
+    for (int k = 0; k < 3; ++k) {
+        e.lower[k] = box[k];
+        e.upper[k] = box[k + 3];
+    }
+    extent_join(&d->reach, &e);
+}
+
+// Own bodies go to the domain that they are to be own ones of, or stay.
+static void part_with(moving *m, moving_domain *d, const row_list *places, const item_list *rows,
+                      item_list *out)
+{
+    const bool all = moving_all_travel(m);
+    for (uint64_t i = 0; i < rows->n; ++i) {
+        const moving_traveller *row = moving_traveller_at(m, rows, i);
+        moving_body *b = &d->bodies.rows[places->rows[i]];
+        b->next = row->domain;
+        if (!moving_is_own(d, b))
+            continue;
+        if (b->next != d->number)
+            list_add(out, row, 1, m->traveller_bytes);
+        else if (all)
+            list_add(&d->came, row, 1, m->traveller_bytes);
+        else if (b->acts)
+            add_to_reach(d, row->far_box);
+        if (!all && b->next != d->number)
+            row_list_add(&d->gone, places->rows[i]);
+    }
+}
+
+static void find_leaving(moving *m, moving_domain *d, item_list *out, duet_error *own)
+{
+    row_list places = {0};
+    item_list rows = {0};
+    list_clear(&d->gone.list);
+    if (moving_all_travel(m)) {
+        moving_read_all(m, d, &d->gone, &rows, own);
+        part_with(m, d, &d->gone, &rows, out);
+    } else {
+        list_near_home(m, d, &places, own);
+        moving_read_bodies(m, d, &places, &rows, own);
+        part_with(m, d, &places, &rows, out);
+        add_ghosts(m, d);
+    }
+    if (rows.failed || d->gone.failed || d->came.failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "bodies that leave: no memory");
+    free(places.rows);
+    free(rows.items);
 }
 
 // ---------------------------------------------------------------- contacts
@@ -65,18 +203,17 @@ typedef struct contact_row {
 // The domain that a contact goes to for an end of it: the next one of an own body that acts, or is
 // the owner, whose domain may tell that the contact ended; and of another's body which commands
 // made act, since its own domain has not seen the contact. UINT32_MAX: none.
-static uint32_t next_of(const moving *m, const moving_domain *d, const moving_body *b,
-                        bool is_owner)
+static uint32_t next_of(const moving_domain *d, const moving_body *b, bool is_owner)
 {
     bool sends = b && (moving_is_own(d, b) ? b->acts || is_owner : b->acts && !b->complete);
-    return sends ? moving_domain_of(m, b) : UINT32_MAX;
+    return sends ? b->next : UINT32_MAX;
 }
 
 // A contact is right where its owner is own, which acted, or an end whose contacts are all there.
-static bool is_right(const moving *m, const moving_domain *d, const uint32_t ends[2])
+static bool is_right(const moving_domain *d, const uint32_t ends[2])
 {
-    const moving_body *other = moving_body_or_wall(m, d, ends[1]);
-    return moving_owns(m, d, ends[0]) || (other && moving_is_own(d, other) && other->complete);
+    const moving_body *other = moving_body_or_wall(d, ends[1]);
+    return moving_owns(d, ends[0]) || (other && moving_is_own(d, other) && other->complete);
 }
 
 // Domains of this rank get it at once.
@@ -111,14 +248,14 @@ static void add_contact(moving *m, const moving_domain *d, const domain_contacts
                         bool is_told, item_list *contacts)
 {
     const uint32_t *ends = from->links[i].s;
-    if (!is_right(m, d, ends))
+    if (!is_right(d, ends))
         return;
     contact_row row;
     moving_write_contact(m, d, from, i, &row.head);
     if (is_told)
-        row.head.told_by = moving_id(m, d, ends[moving_other_tells(m, d, ends[0], ends[1])]);
-    const uint32_t next[2] = {next_of(m, d, moving_body_or_wall(m, d, ends[0]), true),
-                              next_of(m, d, moving_body_or_wall(m, d, ends[1]), false)};
+        row.head.told_by = moving_id(m, d, ends[moving_other_tells(d, ends[0], ends[1])]);
+    const uint32_t next[2] = {next_of(d, moving_body_or_wall(d, ends[0]), true),
+                              next_of(d, moving_body_or_wall(d, ends[1]), false)};
     send_contact(m, &row.head, next, contacts);
 }
 
@@ -129,16 +266,14 @@ static void send_parted(moving *m, const moving_domain *d, const item_list *part
 {
     for (uint64_t i = 0; i < parted->n; ++i) {
         moving_contact *c = moving_contact_at(m, parted, i);
-        const uint32_t owner = moving_place(m, d, c->owner),
-                       other = c->other < m->n_all ? moving_place(m, d, c->other) : 0;
+        const uint32_t owner = moving_place(d, c->owner),
+                       other = c->other < m->n_all ? moving_place(d, c->other) : 0;
         if (owner != UINT32_MAX && other != UINT32_MAX)
             continue;
-        const uint32_t next[2] = {moving_owns(m, d, owner)
-                                      ? next_of(m, d, moving_body_at(m, &d->bodies, owner), true)
-                                      : UINT32_MAX,
-                                  c->other < m->n_all && moving_owns(m, d, other)
-                                      ? next_of(m, d, moving_body_at(m, &d->bodies, other), false)
-                                      : UINT32_MAX};
+        const uint32_t next[2] = {
+            moving_owns(d, owner) ? next_of(d, &d->bodies.rows[owner], true) : UINT32_MAX,
+            c->other < m->n_all && moving_owns(d, other) ? next_of(d, &d->bodies.rows[other], false)
+                                                         : UINT32_MAX};
         send_contact(m, c, next, contacts);
     }
 }
@@ -167,16 +302,14 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 }
 
 // Ghosts and own bodies that leave take their contacts along.
-static void mark_travelling(const moving *m, moving_domain *d, duet_error *own)
+static void mark_travelling(moving_domain *d, duet_error *own)
 {
-    moving_note_places(m, d, own);
-    for (uint64_t i = 0; is_well(own) && i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
-        if (!moving_is_own(d, b) || moving_domain_of(m, b) != d->number)
-            d->places[i].kind |= PLACE_SHARED;
+    for (uint64_t i = 0; i < d->gone.n; ++i) {
+        const moving_body *b = &d->bodies.rows[d->gone.rows[i]];
+        if (!moving_is_own(d, b) || b->next != d->number)
+            d->places[d->gone.rows[i]].kind |= PLACE_SHARED;
     }
-    if (is_well(own))
-        domain_mark_places(d->motion, d->places, own);
+    domain_mark_places(d->motion, d->places, own);
 }
 
 // Leaves those contacts that travel of the ones that the host is told of.
@@ -197,7 +330,7 @@ static void leave_travelling(const moving_domain *d, domain_contacts *c)
 static void read_travelling(moving *m, moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts listed = {0};
-    mark_travelling(m, d, own);
+    mark_travelling(d, own);
     if (!is_well(own) || !domain_list_border(d->motion, &listed, own))
         return;
     leave_travelling(d, &listed);
@@ -209,12 +342,13 @@ static void read_travelling(moving *m, moving_domain *d, item_list *contacts, du
 // ---------------------------------------------------------------- all of it
 
 // The domains that contacts go to follow from where bodies are, and from the borders.
-static bool read_all(moving *m, const item_list *parted, item_list *contacts, duet_error *own)
+static bool read_all(moving *m, const item_list *parted, item_list *bodies, item_list *contacts,
+                     duet_error *own)
 {
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        moving_read_bodies(m, &m->domains[k], own);
-    if (moving_cut_is_due(m) && !moving_cut(m, own))
+    if (moving_cut_is_due(m) && !moving_cut(m, m->domains, m->parts, own))
         return false;
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        find_leaving(m, &m->domains[k], bodies, own);
     for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k) {
         if (moving_sends_all(m))
             moving_read_contacts(m, &m->domains[k], contacts, own);
@@ -227,17 +361,19 @@ static bool read_all(moving *m, const item_list *parted, item_list *contacts, du
 
 bool moving_settle(moving *m, duet_error *own)
 {
-    item_list contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
+    item_list bodies = {0}, contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
     if (!parted)
         error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
     for (uint32_t k = 0; parted && k < m->parts; ++k) {
         parted[k] = m->domains[k].contacts;
         m->domains[k].contacts = (item_list){0};
     }
-    bool ok = read_all(m, parted, &contacts, own) && moving_exchange(m, &contacts, own);
+    bool ok =
+        read_all(m, parted, &bodies, &contacts, own) && moving_exchange(m, &bodies, &contacts, own);
     for (uint32_t k = 0; parted && k < m->parts; ++k)
         free(parted[k].items);
     free(parted);
+    free(bodies.items);
     free(contacts.items);
     return ok;
 }

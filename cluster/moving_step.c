@@ -207,16 +207,38 @@ static extent extent_of_bounds(const moving *m, const float bounds[6])
                     {bounds[3], bounds[4], flat ? 0.0 : bounds[5]}};
 }
 
-static bool stays(const moving *m, const moving_domain *d, const domain_near *near)
+// The far boxes of bodies that the device listed, to be freed.
+static float *read_far_boxes(const moving_domain *d, const domain_near *near, uint32_t n,
+                             duet_error *own)
 {
-    const extent old = extent_of_bounds(m, moving_body_at(m, &d->bodies, near->place)->bounds),
-                 now = extent_of_bounds(m, near->bounds);
-    return moving_stays(m, d, &old, &now);
+    const row_parts whole = {.words = {6}};
+    uint32_t *places = malloc((n + 1) * sizeof *places);
+    float *boxes = malloc((6 * (size_t)n + 1) * sizeof *boxes);
+    if (!places || !boxes)
+        error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of %u bodies: no memory", n);
+    for (uint32_t i = 0; places && i < n; ++i)
+        places[i] = near[i].place;
+    if (is_well(own))
+        domain_pack_rows(d->motion, FAR_BOXES, &whole, places, n, boxes, own);
+    free(places);
+    return boxes;
 }
 
-// An extent in float, rounded inward or outward, so that what float says of bounds is right; in 2D
-// all lies in it along z.
-static void round_extent(const moving *m, const extent *e, bool inward, float to[6])
+static bool all_stay(const moving *m, const moving_domain *d, const domain_near *near, uint32_t n,
+                     duet_error *own)
+{
+    float *boxes = read_far_boxes(d, near, n, own);
+    bool stay = is_well(own);
+    for (uint32_t i = 0; stay && i < n; ++i) {
+        const extent old = extent_of_bounds(m, boxes + 6 * (size_t)i),
+                     now = extent_of_bounds(m, near[i].bounds);
+        stay = moving_stays(m, d, &old, &now);
+    }
+    free(boxes);
+    return stay;
+}
+
+void moving_round_extent(const moving *m, const extent *e, bool inward, float to[6])
 {
     for (int k = 0; k < 3; ++k) {
         const double lower = e->lower[k], upper = e->upper[k];
@@ -241,9 +263,9 @@ static bool list_near(const moving *m, const moving_domain *d, domain_near **nea
     float(*extents)[6] = malloc(n_extents * sizeof *extents);
     if (!extents)
         return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
-    round_extent(m, &m->reaches[d->number], true, extents[0]);
+    moving_round_extent(m, &m->reaches[d->number], true, extents[0]);
     for (uint32_t i = 1; i < n_extents; ++i)
-        round_extent(m, &m->reaches[d->neighbours.rows[i - 1]], false, extents[i]);
+        moving_round_extent(m, &m->reaches[d->neighbours.rows[i - 1]], false, extents[i]);
     bool ok = domain_list_near(d->motion, extents[0], n_extents, near, n, own);
     free(extents);
     return ok;
@@ -256,11 +278,9 @@ static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *o
     uint32_t n = 0;
     if (domain_is_bounded(d->motion))
         return true;
-    bool within = list_near(m, d, &near, &n, own);
-    for (uint32_t i = 0; within && i < n; ++i)
-        within = stays(m, d, &near[i]);
+    bool stay = list_near(m, d, &near, &n, own) && all_stay(m, d, near, n, own);
     free(near);
-    return within;
+    return stay;
 }
 
 // All ranks know whether a body is to be a ghost elsewhere.
@@ -332,11 +352,11 @@ bool moving_step(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- hash
 
-static void add_states(const moving *m, const moving_domain *d, uint64_t *hash, duet_error *own)
+static void add_states(const moving_domain *d, uint64_t *hash, duet_error *own)
 {
     duet_state *states = motion_read_states(d->motion, own);
     for (uint64_t i = 0; states && i < d->bodies.n; ++i) {
-        const moving_body *b = moving_body_at(m, &d->bodies, i);
+        const moving_body *b = &d->bodies.rows[i];
         if (moving_is_own(d, b))
             *hash = motion_hash_state(*hash, &states[i], b->id);
     }
@@ -347,29 +367,15 @@ bool moving_hash(moving *m, uint64_t *hash, duet_error *own)
 {
     tally t = {.sums = {0}};
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        add_states(m, &m->domains[k], &t.sums[0], own);
+        add_states(&m->domains[k], &t.sums[0], own);
     bool ok = ranks_agree_and(m->ranks, is_well(own), &t, own);
     *hash = t.sums[0];
     return ok;
 }
 
-void moving_centre(const moving *m, const moving_body *b, double at[3])
-{
-    domain_centre(m->domains[0].motion, (const char *)(b + 1), at);
-}
-
-// A state begins with the centre and the velocity, each a vector of four.
-void moving_velocity(const moving *m, const moving_body *b, double velocity[3])
-{
-    const void *state = b + 1;
-    for (int k = 0; k < 3; ++k)
-        velocity[k] = m->domains[0].motion->def.doubles ? ((const double *)state)[4 + k]
-                                                        : (double)((const float *)state)[4 + k];
-}
-
-uint32_t moving_domain_of(const moving *m, const moving_body *b)
+uint32_t moving_domain_of(const moving *m, const char *state)
 {
     double at[3];
-    moving_centre(m, b, at);
+    domain_centre(m->domains[0].motion, state, at);
     return bisection_part(&m->cuts, at);
 }

@@ -1,8 +1,9 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "bodies near the borders of a domain that is one of many",
+  about = "bodies of a domain that are near its borders, or leave it",
   uses = { "dynamics/border.h" },
-  params = { common.GROUP(64), common.ROWS_AN_ITEM },
+  params = { common.DIMS, common.DOUBLE, common.GROUP(64), common.ROWS_AN_ITEM },
+  valid = common.can_double,
   args = {
     list_near = [[
       const float *boxes
@@ -12,6 +13,27 @@ return {
       uint n_extents
       uint near_capacity
       volatile uint *near
+    ]],
+    list_meeting = [[
+      const float *far_boxes
+      uint n
+      const uint2 *places
+      const float *extents
+      uint n_extents
+      uint near_capacity
+      volatile uint *near
+    ]],
+    make_far_boxes = [[
+      const float *boxes
+      const real4 *velocities
+      float far_time
+      float far_margin
+      uint n
+      const uint2 *places
+      const float *extents
+      uint near_capacity
+      volatile uint *near
+      float *far_boxes
     ]],
   },
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The state that commands left of a domain's bodies, which goes where the bodies go.
 #include "runtime/dynamics/domain_commands.h"
+#include "base/compare.h"
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
@@ -58,30 +59,41 @@ void domain_forget_idle_commands(duet_motion *m)
 
 // ---------------------------------------------------------------- reading
 
-static void read_places(const duet_motion *m, domain_left left)
+static void read_places(const duet_motion *m, domain_left left, const uint32_t *places, uint32_t n)
 {
     const motion_commands *c = m->commands;
-    for (uint32_t i = 0; i < m->n; ++i)
+    for (uint32_t i = 0; i < n; ++i)
         put_row(left, i,
-                &(left_row){.user_data = c->user_data[i],
-                            .place_state = c->states[i],
-                            .generation = c->generations[i]});
+                &(left_row){.user_data = c->user_data[places[i]],
+                            .place_state = c->states[places[i]],
+                            .generation = c->generations[places[i]]});
+}
+
+// Places ascend.
+static void read_targets(const duet_motion *m, domain_left left, const uint32_t *places, uint32_t n)
+{
+    const motion_commands *c = m->commands;
     for (uint32_t i = 0; i < c->n_targets; ++i) {
-        left_row row = row_of(left, c->targets[i].place);
+        const uint32_t *found =
+            bsearch(&c->targets[i].place, places, n, sizeof *places, compare_uint32);
+        if (!found)
+            continue;
+        left_row row = row_of(left, (size_t)(found - places));
         row.is_aimed = 1;
         row.target = c->targets[i].pose;
-        put_row(left, c->targets[i].place, &row);
+        put_row(left, (size_t)(found - places), &row);
     }
 }
 
-static bool read_forces(duet_motion *m, domain_left left, duet_error *err)
+static bool read_forces(duet_motion *m, domain_left left, const uint32_t *places, uint32_t n,
+                        duet_error *err)
 {
-    size_t bytes = m->n * FORCE_FLOATS * sizeof(float);
-    float *forces = malloc(bytes);
+    const row_parts whole = {.words = {FORCE_FLOATS}};
+    float *forces = malloc((size_t)n * FORCE_FLOATS * sizeof(float) + 1);
     if (!forces)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the forces on %u bodies", m->n);
-    bool ok = motion_fetch(m, "domain", FORCES, 0, forces, bytes, err);
-    for (uint32_t i = 0; ok && i < m->n; ++i) {
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the forces on %u bodies", n);
+    bool ok = domain_pack_rows(m, FORCES, &whole, places, n, forces, err);
+    for (uint32_t i = 0; ok && i < n; ++i) {
         left_row row = row_of(left, i);
         memcpy(row.force, forces + (size_t)i * FORCE_FLOATS, sizeof row.force);
         put_row(left, i, &row);
@@ -90,12 +102,14 @@ static bool read_forces(duet_motion *m, domain_left left, duet_error *err)
     return ok;
 }
 
-bool domain_read_commands(duet_motion *m, domain_left left, duet_error *err)
+bool domain_read_commands(duet_motion *m, domain_left left, const uint32_t *places, uint32_t n,
+                          duet_error *err)
 {
-    if (!m->commands || m->n == 0)
+    if (!m->commands || n == 0)
         return true;
-    read_places(m, left);
-    return m->commands->n_pushed == 0 || read_forces(m, left, err);
+    read_places(m, left, places, n);
+    read_targets(m, left, places, n);
+    return m->commands->n_pushed == 0 || read_forces(m, left, places, n, err);
 }
 
 // ---------------------------------------------------------------- taking

@@ -17,9 +17,10 @@ size_t domain_command_bytes(const duet_motion *m);
 // Whether the first of them is of a body that was removed or is disabled.
 bool domain_left_hidden(const duet_motion *m, domain_left left);
 
-// Reads those of all bodies. Takes those of all, before the bodies are sent, and then the forces
-// among them.
-bool domain_read_commands(duet_motion *m, domain_left left, duet_error *err);
+// Reads those of bodies at n ascending places. Takes those of all, before the bodies are sent, and
+// then the forces among them.
+bool domain_read_commands(duet_motion *m, domain_left left, const uint32_t *places, uint32_t n,
+                          duet_error *err);
 bool domain_take_commands(duet_motion *m, domain_left left, duet_error *err);
 bool domain_take_forces(duet_motion *m, domain_left left, duet_error *err);
 

@@ -43,9 +43,12 @@ size_t domain_state_bytes(const duet_motion *m);
 // Finds where a state's centre is.
 void domain_centre(const duet_motion *m, const char *state, double at[3]);
 
-// Reads the states of all bodies, [n][domain_state_bytes], and the bounds that the next step has,
-// [n][6]: those before it, while bodies are within them and they are not forgotten.
-bool domain_read_states(duet_motion *m, char *states, duet_error *err);
+// Reads the states of bodies at n ascending places, [n][domain_state_bytes].
+bool domain_read_states(duet_motion *m, const uint32_t *places, uint32_t n, char *states,
+                        duet_error *err);
+
+// Reads the bounds that the next step has, [n][6]: those before it, while bodies are within them
+// and they are not forgotten.
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
 void domain_forget_bounds(duet_motion *m);
 
@@ -103,19 +106,25 @@ void domain_drop_contacts(duet_motion *m);
 bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, const uint32_t *from,
                       uint32_t n, duet_error *err);
 
-// Bodies that take the place of others. If they were there before they keep their states.
+// Bodies that take the place of others. If they were there before they keep all that they had.
 typedef struct domain_bodies {
     uint32_t n, n_fresh;
-    duet_pose *poses; // [n + 1], as are bodies: the motion takes this memory
+    uint32_t *from;   // [n + FIXED] the places that they had, ascending; NO_PLACE: fresh, or never
+                      // there
+    uint32_t *fresh;  // [n_fresh] places of the fresh ones, ascending
+    duet_pose *poses; // [n_fresh], as are bodies
     duet_body *bodies;
-    uint32_t *from;  // [n + FIXED] the places that they had; NO_PLACE: fresh, or never there
-    uint32_t *fresh; // [n_fresh] places of the fresh ones
-    char *states;    // [n_fresh][domain_state_bytes]
+    char *states;     // [n_fresh][domain_state_bytes]
+    float *far_boxes; // [n_fresh][6]; not looked at without contacts
 } domain_bodies;
+
+// Moves rows of the host in the same way; those of fresh ones are fresh_rows, one behind the other.
+// Space is for those that there were as for those that there are.
+void domain_splice(const domain_bodies *b, void *rows, const void *fresh_rows, size_t row);
 
 // Replaces all bodies, and adds contacts that they had in the last step. With commands all are
 // fresh.
-bool domain_replace_bodies(duet_motion *m, domain_bodies *b, const domain_contacts *c,
+bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 
 // Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if
@@ -165,6 +174,24 @@ typedef struct domain_near {
 } domain_near;
 bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_near **list,
                       uint32_t *n_list, duet_error *err);
+
+// Far boxes (FAR_BOXES) last until they are made again: the bounds of now, further by a margin and
+// by the way of a time.
+typedef struct domain_far {
+    float time, margin;
+    float home[6];
+} domain_far;
+
+// Makes far boxes, forgets the bounds of before, and lists own bodies whose bounds leave home, as
+// above. Reach [6] becomes what all far boxes of other own bodies lie in that move or are sensors.
+bool domain_make_far_boxes(duet_motion *m, const domain_far *far, float reach[6],
+                           domain_near **list, uint32_t *n_list, duet_error *err);
+bool domain_keep_far_boxes(duet_motion *m,
+                           duet_error *err); // of it; without contacts there are none
+
+// Lists own bodies whose far boxes meet one of n extents, as above.
+bool domain_list_meeting(duet_motion *m, const float *extents, uint32_t n, domain_near **list,
+                         uint32_t *n_list, duet_error *err);
 
 // Colours contacts that begin to push, but for those which more than this domain's contacts decide.
 // Tells of these, of what is solved in order, and of all that have a shared end: rows, links and

@@ -5,18 +5,23 @@
 #include "runtime/dynamics/domain_motion.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char stage[] = "domain";
 
 static_assert(sizeof(domain_near) == NEAR_WORDS * sizeof(cl_uint), "a row of near");
 
-static bool build_near(duet_motion *m, duet_error *err)
+static bool build(duet_motion *m, duet_error *err)
 {
+    motion_border *b = &m->border;
     const kernel_request list[] = {
-        {&m->border.list_near, true, "list_near", "list_near", motion_bindings},
+        {&b->list_near, true, "list_near", "list_near", motion_bindings},
+        {&b->list_meeting, true, "list_near", "list_meeting", motion_bindings},
+        {&b->make_far_boxes, true, "list_near", "make_far_boxes", motion_bindings},
     };
-    return m->border.list_near || motion_build_kernels(m, list, 1, false, err);
+    return b->list_near || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
 }
 
 static bool send_extents(duet_motion *m, const float *extents, uint32_t n, duet_error *err)
@@ -27,39 +32,101 @@ static bool send_extents(duet_motion *m, const float *extents, uint32_t n, duet_
            timeline_write_at(&m->times, stage, &m->buffers[EXTENTS], 0, extents, bytes, err);
 }
 
-// The first row is the number of the others.
-static bool count_near(duet_motion *m, cl_uint *n, duet_error *err)
+// ---------------------------------------------------------------- the list
+
+// The first row tells of the others.
+static bool run(duet_motion *m, const kernel *k, domain_near *head, duet_error *err)
 {
     const uint64_t rows = (uint64_t)m->border.near_capacity + 1;
-    return motion_reserve(m, NEAR, rows, sizeof(domain_near), err) &&
-           motion_clear(m, stage, NEAR, 0, 1, err) &&
-           motion_launch(m, stage, m->border.list_near, m->n, err) &&
-           motion_fetch(m, stage, NEAR, 0, n, sizeof *n, err);
+    return motion_reserve(m, NEAR, rows, sizeof *head, err) &&
+           motion_clear(m, stage, NEAR, 0, NEAR_WORDS, err) &&
+           motion_launch(m, stage, k, m->n, err) &&
+           motion_fetch(m, stage, NEAR, 0, head, sizeof *head, err);
 }
 
-static bool find_near(duet_motion *m, cl_uint *n, duet_error *err)
+// Its place is the number of bodies.
+static bool run_with_room(duet_motion *m, const kernel *k, domain_near *head, duet_error *err)
 {
-    if (!count_near(m, n, err))
+    if (!run(m, k, head, err))
         return false;
-    if (*n <= m->border.near_capacity)
+    if (head->place <= m->border.near_capacity)
         return true;
-    m->border.near_capacity = *n + *n / 4;
-    return count_near(m, n, err);
+    m->border.near_capacity = head->place + head->place / 4;
+    return run(m, k, head, err);
+}
+
+static bool fetch(duet_motion *m, uint32_t n, domain_near **list, duet_error *err)
+{
+    if (n == 0)
+        return true;
+    *list = malloc(n * sizeof **list);
+    return *list ? motion_fetch(m, stage, NEAR, sizeof **list, *list, n * sizeof **list, err)
+                 : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
 }
 
 bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_near **list,
                       uint32_t *n_list, duet_error *err)
 {
+    domain_near head = {0};
     *list = NULL;
-    *n_list = 0;
-    if (m->n == 0)
-        return true;
-    bool ok = domain_make_bounds(m, err) && build_near(m, err) &&
-              send_extents(m, extents, n, err) && find_near(m, n_list, err);
-    const size_t bytes = *n_list * sizeof **list;
-    if (!ok || *n_list == 0)
-        return ok;
-    *list = malloc(bytes);
-    return *list ? motion_fetch(m, stage, NEAR, sizeof **list, *list, bytes, err)
-                 : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", *n_list);
+    bool ok = m->n == 0 ||
+              (domain_make_bounds(m, err) && build(m, err) && send_extents(m, extents, n, err) &&
+               run_with_room(m, m->border.list_near, &head, err));
+    *n_list = head.place;
+    return ok && fetch(m, *n_list, list, err);
+}
+
+// ---------------------------------------------------------------- far boxes
+
+// The number of a word as the kernel orders them; 0 is below all.
+static float number_of(uint32_t word)
+{
+    float number;
+    const uint32_t bits = word >> 31 ? word & 0x7FFFFFFFu : ~word;
+    memcpy(&number, &bits, sizeof number);
+    return word == 0 ? -INFINITY : number;
+}
+
+static void read_reach(const domain_near *head, float reach[6])
+{
+    uint32_t words[6];
+    memcpy(words, head->bounds, sizeof words);
+    for (int k = 0; k < 3; ++k) {
+        reach[k] = -number_of(words[k]);
+        reach[k + 3] = number_of(words[k + 3]);
+    }
+}
+
+bool domain_keep_far_boxes(duet_motion *m, duet_error *err)
+{
+    return !(m->effects & DUET_EFFECT_CONTACT) || m->border.make_far_boxes ||
+           (build(m, err) && motion_grow_rows(m, FAR_BOXES, 0, err));
+}
+
+bool domain_make_far_boxes(duet_motion *m, const domain_far *far, float reach[6],
+                           domain_near **list, uint32_t *n_list, duet_error *err)
+{
+    domain_near head = {0};
+    *list = NULL;
+    m->border.far_time = far->time;
+    m->border.far_margin = far->margin;
+    domain_forget_bounds(m); // others than those that the next step makes
+    bool ok = m->n == 0 || (domain_keep_far_boxes(m, err) && domain_make_bounds(m, err) &&
+                            send_extents(m, far->home, 1, err) &&
+                            run_with_room(m, m->border.make_far_boxes, &head, err));
+    read_reach(&head, reach);
+    *n_list = head.place;
+    return ok && fetch(m, *n_list, list, err);
+}
+
+bool domain_list_meeting(duet_motion *m, const float *extents, uint32_t n, domain_near **list,
+                         uint32_t *n_list, duet_error *err)
+{
+    domain_near head = {0};
+    *list = NULL;
+    bool ok = m->n == 0 || n == 0 ||
+              (build(m, err) && send_extents(m, extents, n, err) &&
+               run_with_room(m, m->border.list_meeting, &head, err));
+    *n_list = head.place;
+    return ok && fetch(m, *n_list, list, err);
 }

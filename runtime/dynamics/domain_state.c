@@ -69,32 +69,29 @@ void domain_centre(const duet_motion *m, const char *state, double at[3])
     }
 }
 
-static char *rows_of_all(const duet_motion *m, motion_buffer which, duet_error *err)
-{
-    char *rows = malloc(m->n * row_bytes(m, which) + 1);
-    if (!rows)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u bodies", m->n);
-    return rows;
-}
-
 // A buffer's rows lie at byte `at` of each state.
-static bool read_rows(duet_motion *m, motion_buffer which, char *at, duet_error *err)
+static bool read_rows(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
+                      char *at, duet_error *err)
 {
-    size_t row = row_bytes(m, which), all = domain_state_bytes(m);
-    char *rows = rows_of_all(m, which, err);
-    bool ok = rows && motion_fetch(m, stage, which, 0, rows, m->n * row, err);
-    for (uint32_t i = 0; ok && i < m->n; ++i)
+    const row_parts whole = {.words = {motion_words(m, which)}};
+    const size_t row = row_bytes(m, which), all = domain_state_bytes(m);
+    char *rows = malloc(n * row + 1);
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u bodies", n);
+    bool ok = domain_pack_rows(m, which, &whole, places, n, rows, err);
+    for (uint32_t i = 0; ok && i < n; ++i)
         memcpy(at + i * all, rows + i * row, row);
     free(rows);
     return ok;
 }
 
-bool domain_read_states(duet_motion *m, char *states, duet_error *err)
+bool domain_read_states(duet_motion *m, const uint32_t *places, uint32_t n, char *states,
+                        duet_error *err)
 {
-    bool ok = domain_read_commands(m, left_of(m, states), err);
-    for (int i = 0; ok && m->n > 0 && i < N_KEPT; ++i)
+    bool ok = domain_read_commands(m, left_of(m, states), places, n, err);
+    for (int i = 0; ok && n > 0 && i < N_KEPT; ++i)
         if (row_bytes(m, kept[i]) > 0) {
-            ok = read_rows(m, kept[i], states, err);
+            ok = read_rows(m, kept[i], places, n, states, err);
             states += row_bytes(m, kept[i]);
         }
     return ok;
@@ -266,7 +263,8 @@ bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body
 // ---------------------------------------------------------------- replaced bodies
 
 // Rows by object that last from step to step; a step makes the others.
-static const motion_buffer lasting[] = {CENTRES,
+static const motion_buffer lasting[] = {FAR_BOXES,
+                                        CENTRES,
                                         CELLS,
                                         VELOCITIES,
                                         ROTATIONS,
@@ -303,19 +301,26 @@ static bool grow_others(duet_motion *m, duet_error *err)
 }
 
 // A row of the state is part of a body's state, and a given row is what its pose and body say.
-static bool write_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b,
-                        duet_error *err)
+static void fill_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b, char *rows)
 {
     const size_t row = row_bytes(m, which), all = domain_state_bytes(m);
-    const row_parts whole = {.words = {motion_words(m, which)}};
-    char *rows = calloc(b->n_fresh + 1, row);
-    if (!rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n_fresh);
-    if (!is_in(which, kept, N_KEPT))
+    if (which == FAR_BOXES)
+        memcpy(rows, b->far_boxes, b->n_fresh * row);
+    else if (!is_in(which, kept, N_KEPT))
         motion_fill_given(m, which, b->fresh, b->n_fresh, rows);
     else
         for (uint32_t i = 0; i < b->n_fresh; ++i)
             memcpy(rows + i * row, b->states + i * all + byte_of(m, which), row);
+}
+
+static bool write_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b,
+                        duet_error *err)
+{
+    const row_parts whole = {.words = {motion_words(m, which)}};
+    char *rows = calloc(b->n_fresh + 1, row_bytes(m, which));
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n_fresh);
+    fill_fresh(m, which, b, rows);
     bool ok = domain_unpack_rows(m, which, &whole, b->fresh, b->n_fresh, rows, err) &&
               domain_await_rows(m, err);
     free(rows);
@@ -330,26 +335,70 @@ static bool write_all_fresh(duet_motion *m, const domain_bodies *b, duet_error *
     return ok;
 }
 
-static bool own_bodies(duet_motion *m, domain_bodies *b, duet_error *err)
+// Rows that follow each other before and after are moved together: those that stay come to the
+// front, and then from there, the last first, to their places.
+static uint32_t close_up(const domain_bodies *b, char *rows, size_t row)
 {
-    free(m->poses);
-    free(m->bodies);
-    m->poses = b->poses;
-    m->bodies = b->bodies;
-    b->poses = NULL;
-    b->bodies = NULL;
-    m->n = b->n;
-    return take_cells(m, b->n) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n);
+    uint32_t kept_rows = 0;
+    for (uint32_t i = 0, end; i < b->n; i = end) {
+        end = i + 1;
+        if (b->from[i] == NO_PLACE)
+            continue;
+        while (end < b->n && b->from[end] == b->from[end - 1] + 1)
+            ++end;
+        if (b->from[i] != kept_rows)
+            memmove(rows + kept_rows * row, rows + b->from[i] * row, (end - i) * row);
+        kept_rows += end - i;
+    }
+    return kept_rows;
 }
 
-bool domain_replace_bodies(duet_motion *m, domain_bodies *b, const domain_contacts *c,
+static void spread(const domain_bodies *b, uint32_t kept_rows, char *rows, const char *fresh_rows,
+                   size_t row)
+{
+    uint32_t end = b->n;
+    for (uint32_t k = b->n_fresh; k-- > 0; end = b->fresh[k]) {
+        const uint32_t first = b->fresh[k] + 1, n = end - first;
+        kept_rows -= n;
+        if (kept_rows != first)
+            memmove(rows + first * row, rows + kept_rows * row, n * row);
+        memcpy(rows + b->fresh[k] * row, fresh_rows + k * row, row);
+    }
+}
+
+void domain_splice(const domain_bodies *b, void *rows, const void *fresh_rows, size_t row)
+{
+    spread(b, close_up(b, rows, row), rows, fresh_rows, row);
+}
+
+static bool grow_bodies(duet_motion *m, uint32_t n)
+{
+    const size_t space = (size_t)(n > m->n ? n : m->n) + 1;
+    duet_pose *poses = realloc(m->poses, space * sizeof *poses);
+    m->poses = poses ? poses : m->poses;
+    duet_body *bodies = realloc(m->bodies, space * sizeof *bodies);
+    m->bodies = bodies ? bodies : m->bodies;
+    return poses && bodies && take_cells(m, n);
+}
+
+static bool own_bodies(duet_motion *m, const domain_bodies *b, duet_error *err)
+{
+    if (!grow_bodies(m, b->n))
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n);
+    domain_splice(b, m->poses, b->poses, sizeof *m->poses);
+    domain_splice(b, m->bodies, b->bodies, sizeof *m->bodies);
+    m->n = b->n;
+    return true;
+}
+
+bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_contacts *c,
                            duet_error *err)
 {
     m->products = products_of_saved(false);
     altered_forget(&m->altered);
     motion_forget_events(&m->told);
-    return own_bodies(m, b, err) && domain_take_commands(m, left_of(m, b->states), err) &&
+    return domain_keep_far_boxes(m, err) && own_bodies(m, b, err) &&
+           domain_take_commands(m, left_of(m, b->states), err) &&
            domain_move_rows(m, lasting, N_LASTING, b->from, b->n + FIXED, err) &&
            grow_others(m, err) && write_all_fresh(m, b, err) &&
            domain_take_forces(m, left_of(m, b->states), err) &&

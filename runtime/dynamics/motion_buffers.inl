@@ -28,6 +28,7 @@ BY_OBJECT(ASLEEP, "asleep", "uint *", SLEEP, SLEEP, 0, 1)
 BY_OBJECT(FORCES, "forces", "float4 *", FORCES, FORCES, 0, 8)
 BY_OBJECT(BODIES, "bodies", "float4 *", CONTACT_RESPONSE, CONTACT_RESPONSE, 0, 4) // times the layout's
 BY_OBJECT(BOXES, "boxes", "float *", CONTACT, CONTACT, 0, 6)
+BY_OBJECT(FAR_BOXES, "far_boxes", "float *", CONTACT, CONTACT, 0, 6) // of a domain
 BY_OBJECT(STARTS, "starts", "uint *", CONTACT, CONTACT, 0, 1)
 BY_OBJECT(RETURN_STARTS, "return_starts", "uint *", CONTACT, CONTACT, 0, 1)
 BY_OBJECT(USED, "used", "uint *", CONTACT_RESPONSE, CONTACT_RESPONSE, 0, 1)

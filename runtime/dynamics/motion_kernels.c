@@ -41,6 +41,8 @@ const binding motion_bindings[] = {
     VALUE_OF(reading, of_four),
     VALUE_OF(border, n_extents),
     VALUE_OF(border, near_capacity),
+    VALUE_OF(border, far_time),
+    VALUE_OF(border, far_margin),
     BIND_VALUE(duet_motion, "n", n),
     VALUE_OF(graph, n_contacts),
     BIND_VALUE(duet_motion, "n_keys", awake.n_contacts),

@@ -69,7 +69,7 @@ if(CLUSTER)
   endif()
 else()
   foreach(name IN ITEMS pack_rows unpack_rows move_rows mark_border choose_inner count_border list_border used_colours
-      list_near keep_contacts)
+      list_near list_meeting make_far_boxes keep_contacts)
     list(APPEND launched "kernel '${name}'")
   endforeach()
 endif()
