@@ -335,40 +335,45 @@ static bool write_all_fresh(duet_motion *m, const domain_bodies *b, duet_error *
     return ok;
 }
 
-// Rows that follow each other before and after are moved together: those that stay come to the
-// front, and then from there, the last first, to their places.
-static uint32_t close_up(const domain_bodies *b, char *rows, size_t row)
+// The end of the rows from i on that follow each other before and after.
+static uint32_t end_of_run(const domain_bodies *b, uint32_t i)
 {
-    uint32_t kept_rows = 0;
-    for (uint32_t i = 0, end; i < b->n; i = end) {
-        end = i + 1;
-        if (b->from[i] == NO_PLACE)
-            continue;
-        while (end < b->n && b->from[end] == b->from[end - 1] + 1)
-            ++end;
-        if (b->from[i] != kept_rows)
-            memmove(rows + kept_rows * row, rows + b->from[i] * row, (end - i) * row);
-        kept_rows += end - i;
-    }
-    return kept_rows;
+    uint32_t end = i + 1;
+    while (end < b->n && b->from[i] != NO_PLACE && b->from[end] == b->from[end - 1] + 1)
+        ++end;
+    return end;
 }
 
-static void spread(const domain_bodies *b, uint32_t kept_rows, char *rows, const char *fresh_rows,
-                   size_t row)
+static uint32_t begin_of_run(const domain_bodies *b, uint32_t end)
 {
-    uint32_t end = b->n;
-    for (uint32_t k = b->n_fresh; k-- > 0; end = b->fresh[k]) {
-        const uint32_t first = b->fresh[k] + 1, n = end - first;
-        kept_rows -= n;
-        if (kept_rows != first)
-            memmove(rows + first * row, rows + kept_rows * row, n * row);
-        memcpy(rows + b->fresh[k] * row, fresh_rows + k * row, row);
-    }
+    uint32_t first = end - 1;
+    while (first > 0 && b->from[first] != NO_PLACE && b->from[first] > 0 &&
+           b->from[first - 1] == b->from[first] - 1)
+        --first;
+    return first;
 }
 
+static void move_run(const domain_bodies *b, char *rows, size_t row, uint32_t first, uint32_t end)
+{
+    memmove(rows + first * row, rows + b->from[first] * row, (end - first) * row);
+}
+
+// Rows that come nearer to the front are moved from there on, and the others from the end on: so
+// none lies where another one still is to be read.
 void domain_splice(const domain_bodies *b, void *rows, const void *fresh_rows, size_t row)
 {
-    spread(b, close_up(b, rows, row), rows, fresh_rows, row);
+    for (uint32_t first = 0, end; first < b->n; first = end) {
+        end = end_of_run(b, first);
+        if (b->from[first] != NO_PLACE && b->from[first] > first)
+            move_run(b, rows, row, first, end);
+    }
+    for (uint32_t first, end = b->n; end > 0; end = first) {
+        first = begin_of_run(b, end);
+        if (b->from[first] < first) // NO_PLACE is not
+            move_run(b, rows, row, first, end);
+    }
+    for (uint32_t k = 0; k < b->n_fresh; ++k)
+        memcpy((char *)rows + b->fresh[k] * row, (const char *)fresh_rows + k * row, row);
 }
 
 static bool grow_bodies(duet_motion *m, uint32_t n)

@@ -934,6 +934,104 @@ static void rows_move_with_their_bodies(void)
     duet_cluster_destroy(cluster);
 }
 
+// ---------------------------------------------------------------- what an exchange reads
+
+// The home of each body, and how many own bodies have bounds that leave their domain's box.
+static uint64_t note_homes(moving *m, uint32_t *home)
+{
+    uint64_t leaving = 0;
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        const moving_domain *d = &m->domains[k];
+        const extent box = bisection_box(&m->cuts, d->number, &extent_all);
+        float *bounds = malloc(6 * d->bodies.n * sizeof *bounds);
+        MUST(bounds, "memory");
+        domain_forget_bounds(d->motion);
+        must(domain_read_bounds(d->motion, bounds, ERR));
+        for (uint32_t i = 0; i < d->bodies.n; ++i) {
+            const float *b = bounds + 6 * i;
+            const extent e = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+            if (!moving_is_own(d, &d->bodies.rows[i]))
+                continue;
+            home[d->bodies.rows[i].id] = d->number;
+            leaving += !extent_within(&e, &box);
+        }
+        free(bounds);
+    }
+    return leaving;
+}
+
+// Own bodies that another domain has as ghosts, by their far boxes; those that were there before.
+static uint64_t count_ghosts(const moving *m, const moving_domain *d, const uint32_t *home,
+                             uint64_t *stayed)
+{
+    const row_parts whole = {.words = {6}};
+    uint64_t n = 0;
+    for (uint32_t i = 0; i < d->bodies.n; ++i) {
+        float b[6];
+        must(domain_pack_rows(d->motion, FAR_BOXES, &whole, &i, 1, b, ERR));
+        const extent e = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+        for (uint32_t to = 0; moving_is_own(d, &d->bodies.rows[i]) && to < m->n_domains; ++to) {
+            bool is_ghost = to != d->number && extents_meet(&e, &m->reaches[to]);
+            n += is_ghost;
+            *stayed += is_ghost && home[d->bodies.rows[i].id] == d->number;
+        }
+    }
+    return n;
+}
+
+// The states of bodies that may leave their domain's box and of ghosts are read, and those of no
+// others, however many there are.
+static void an_exchange_reads_what_travels(void)
+{
+    enum { N = 6000 };
+    duet_cluster *cluster = two_domains_after_a_step("6000");
+    moving *m = cluster->moving;
+    uint32_t home[N], moved = 0;
+    const moving_counts before = m->counts;
+    const uint64_t leaving = note_homes(m, home);
+    uint64_t shared = 0, stayed = 0;
+    must(moving_settle(m, ERR));
+    for (uint32_t k = 0; k < m->parts; ++k) {
+        const moving_domain *d = &m->domains[k];
+        shared += count_ghosts(m, d, home, &stayed);
+        for (uint32_t i = 0; i < d->bodies.n; ++i)
+            moved +=
+                moving_is_own(d, &d->bodies.rows[i]) && home[d->bodies.rows[i].id] != d->number;
+    }
+    MUST(m->counts.read - before.read == leaving + stayed, "what may travel is read");
+    MUST(m->counts.sent - before.sent == moved + shared, "what travels is sent");
+    MUST(leaving > 0 && stayed > 0 && leaving + stayed < N / 2, "most bodies do not");
+    duet_cluster_destroy(cluster);
+}
+
+// Rows in new places, as their definition says.
+static void rows_are_spliced(uint64_t seed)
+{
+    enum { MOST = 200 };
+    uint32_t from[MOST], fresh[MOST], rows[MOST], expected[MOST], came[MOST];
+    rng random = rng_seed(seed);
+    for (int round = 0; round < 2000; ++round) {
+        const uint32_t before = rng_below(&random, MOST / 2), odds = 1 + rng_below(&random, 9);
+        domain_bodies b = {.from = from, .fresh = fresh};
+        for (uint32_t i = 0; i <= before; ++i) {
+            for (uint32_t n = rng_below(&random, odds) ? 0 : rng_below(&random, 3); n > 0; --n)
+                if (b.n < MOST - before) {
+                    came[b.n_fresh] = expected[b.n] = 1000 + b.n_fresh;
+                    fresh[b.n_fresh++] = b.n;
+                    from[b.n++] = NO_PLACE;
+                }
+            if (i < before && rng_below(&random, odds) < 5) {
+                expected[b.n] = i;
+                from[b.n++] = i;
+            }
+        }
+        for (uint32_t i = 0; i < before; ++i)
+            rows[i] = i;
+        domain_splice(&b, rows, came, sizeof *rows);
+        MUST(memcmp(rows, expected, b.n * sizeof *rows) == 0, "rows go to their places");
+    }
+}
+
 // ---------------------------------------------------------------- work
 
 // Times are made of what bodies and ends cost, and these are found in them; of ranks that all have
@@ -969,6 +1067,8 @@ int main(int argc, char **argv)
         parts_of_rows_come_and_go();
         bodies_near_extents_are_listed();
         rows_move_with_their_bodies();
+        an_exchange_reads_what_travels();
+        rows_are_spliced(seed);
     }
     what_is_not_there_is_refused();
     a_carried_mesh_is_refused();
