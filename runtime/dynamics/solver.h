@@ -37,7 +37,7 @@ typedef struct contact_solver {
     cl_uint sorts;              // 1: contacts are listed by colour even if none changed its colour
     cl_uint from_colour, to_colour, each;
     cl_uint from_pass, to_pass; // of solve_substeps
-    cl_int4 span;       // from_colour's
+    cl_int4 span;               // from_colour's
 } contact_solver;
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err);
