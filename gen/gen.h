@@ -56,7 +56,7 @@ typedef struct gen_offer {
     bool *taken; // becomes true if a kernel has the parameter; NULL: nobody asks
 } gen_offer;
 
-enum { GEN_NAME = 48, GEN_MAX_ARGS = 32 };
+enum { GEN_NAME = 48, GEN_MAX_ARGS = 48 };
 
 // An argument of a kernel.
 typedef struct gen_arg {

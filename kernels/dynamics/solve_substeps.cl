@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Substeps in one launch: as launches they would wait for each other longer than they take.
+// All of a step's solving in one launch: as launches its passes would wait for each other longer than they take.
 //
-// Invariant: bodies and contacts go through the functions of integrate_velocities, integrate_positions and
-// solve_contacts, in the same order.
+// Invariant: bodies and contacts go through the functions of prepare_contacts, integrate_velocities,
+// integrate_positions, solve_contacts, apply_restitution and store_impulses, in the same order.
 //
-//   spans       as colour_parts.clh has them
-//   n_substeps  each has two passes over the bodies and then the colours, as solve_contacts.cl has them
-//   soft        of the pass, whatever the host says
+//   pass 0                contacts into blocks
+//   2 for each substep    bodies, and then the contacts of each colour: soft in the first, relaxed in the second
+//   the one behind them   restitution
+//
+//   spans      as colour_parts.clh has them
+//   from_pass  up to to_pass: of the launch
+//   soft       of the pass, whatever the host says
 
 static inline void accelerate_bodies(const state *s, uint2 range)
 {
@@ -28,29 +32,57 @@ static inline void move_bodies(const substep *s, uint2 range)
 #endif
 }
 
+// The impulses of the last substep, while a cache has them.
+static inline void store_part(const solver *s, const source *from, const colour_part *part, uint k)
+{
+#if LANES > 1
+    if (k + 2 * LANES <= part->to)
+        ask_for_records(from, s->list + part->first + k + LANES);
+#endif
+    for (uint i = k; i < min(k + LANES, part->to); ++i)
+        store_contact(constraint_at(s->blocks, part, i), s->contacts + (size_t)s->list[part->first + i] * RECORD);
+}
+
+static inline void take_contacts(const solver *s, const source *from, const colour_part *part, uint pass)
+{
+    const uint last = 2 * s->substeps;
+    for (uint k = part->from; k < part->to; k += part->stride) {
+        if (pass == 0)
+            prepare_part(s->blocks, from, from->list, part, k);
+        else if (pass <= last)
+            solve_part(s, part, k);
+        else
+            restore_speeds(constraint_at(s->blocks, part, k), s->bodies, s->fall, s->least_speed);
+        if (pass == last)
+            store_part(s, from, part, k);
+    }
+}
+
 __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
 {
+    const source from = {SOLVE_SUBSTEPS_VALUES};
     const state to_accelerate = {SOLVE_SUBSTEPS_VALUES};
     const substep to_move = {SOLVE_SUBSTEPS_VALUES};
     solver s = {SOLVE_SUBSTEPS_VALUES};
     sweep parts = SWEEP;
     colour_part part;
     uint2 range;
-    for (uint pass = 0; pass < 2 * n_substeps; ++pass) {
-        s.soft = ~pass & 1u;
-        BEGIN_BODIES(parts, N_AWAKE);
-        while (next_bodies(&parts, N_AWAKE, &range)) {
-            if (s.soft)
-                accelerate_bodies(&to_accelerate, range);
-            else
-                move_bodies(&to_move, range);
+    for (uint pass = from_pass; pass < to_pass; ++pass) {
+        s.soft = pass & 1u;
+        if (pass > 0 && pass <= 2 * substeps) {
+            BEGIN_BODIES(parts, N_AWAKE);
+            while (next_bodies(&parts, N_AWAKE, &range)) {
+                if (s.soft)
+                    accelerate_bodies(&to_accelerate, range);
+                else
+                    move_bodies(&to_move, range);
+            }
+            END_PART(parts);
         }
-        END_PART(parts);
         for (uint colour = from_colour; colour < to_colour; ++colour) {
             BEGIN_PART(parts, colour);
             while (next_contacts(&parts, &part))
-                for (uint k = part.from; k < part.to; k += part.stride)
-                    solve_part(&s, &part, k);
+                take_contacts(&s, &from, &part, pass);
             END_PART(parts);
         }
     }

@@ -1,12 +1,14 @@
 -- SPDX-License-Identifier: MIT
 return {
-  about = "all substeps of a step: by a team of a CPU's groups, or of few bodies and contacts by one group",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/constraint.clh",
+  about = "all of a step's solving: by a team of a CPU's groups, a GPU's that meet, or of few bodies and contacts by one",
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/materials.h", "dynamics/contact.clh", "dynamics/constraint.clh",
     "dynamics/float_vector.clh", "dynamics/turn.clh", "dynamics/listed.clh", "dynamics/accelerate.clh",
-    "dynamics/move_bodies.clh", "dynamics/team.clh", "dynamics/colour_parts.clh", "dynamics/sweep_parts.clh", "dynamics/solve_constraint.clh" },
+    "dynamics/move_bodies.clh", "dynamics/team.clh", "dynamics/colour_parts.clh", "dynamics/sweep_parts.clh", "dynamics/prepare_constraint.clh",
+    "dynamics/solve_constraint.clh", "dynamics/restitution.clh", "dynamics/restore_speeds.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURNS, common.GYRO, common.GRAVITY, common.DRAG, common.FORCES, common.SLEEP,
-    common.FRICTION, common.CONTACT_RESPONSE, common.CONVEYS, common.ROLLING,
+    common.FRICTION, common.CONTACT_RESPONSE, common.CONVEYS, common.ROLLING, common.MATERIALS, common.GROUND_MATERIAL,
+    common.CARRIED,
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts and bodies side by side in a work-item" },
     common.BLOCK, common.ROUNDED, common.TEAM,
@@ -22,11 +24,26 @@ return {
       int4 span
       uint from_colour
       uint to_colour
-      uint n_substeps
+      uint from_pass
+      uint to_pass
+      uint substeps
       float *blocks
       volatile uint *team     if TEAM == 1 or MEET == 1
       uint stage              if TEAM == 1
       float4 *bodies
+      const uint2 *links
+      const uint *touches
+      const uint *list
+      float *contacts
+      const float *restitutions
+      const float *frictions  if FRICTION == 1
+      const uint *materials   if MATERIALS == 1
+      const float *material_rules  if MATERIALS == 1
+      float4 ground_surface   only if GROUND_MATERIAL == 1
+      const float *rolling_resistances  if ROLLING == 1
+      const float4 *halves    if ROLLING == 1
+      const float4 *surface_velocities  if CONVEYS == 1
+      uint carrier            only if CARRIED == 1
       uint n
       const uint *awake       if SLEEP == 1
       const uint *n_listed    if SLEEP == 1
@@ -35,7 +52,7 @@ return {
       const real4 *centres    if GRAVITY == 2
       float drag              if DRAG == 1
       const float4 *forces    if FORCES == 1
-      const real4 *rotations  if GYRO == 1
+      const real4 *rotations  if GYRO == 1 or CONVEYS == 1
       const float4 *inertias  if GYRO == 1
       uint soft
       float h
@@ -43,11 +60,14 @@ return {
       float4 spring
       float4 hard_spring
       float load_speed
+      float4 fall
+      float least_speed
     ]],
   },
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
+    if p.GROUND_MATERIAL == 1 and p.MATERIALS == 0 then return false, "a material is one of a table" end
     return common.can_solve(p)
   end,
 }

@@ -90,7 +90,8 @@ const binding motion_bindings[] = {
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),
-    VALUE_OF(solver, n_substeps),
+    VALUE_OF(solver, from_pass),
+    VALUE_OF(solver, to_pass),
     VALUE_OF(team, stage),
     {0}};
 

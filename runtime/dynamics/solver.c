@@ -151,11 +151,12 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
     return ok && motion_launch(m, "sleep", k->move_sleepers, m->awake.n_bodies, err);
 }
 
-// ---------------------------------------------------------------- all substeps at once
+// ---------------------------------------------------------------- all passes at once
 
 // Bodies that a work-item may have, as it takes them one after the other; contacts of a colour, or
-// as many bodies as take as long, that a group has at least.
-enum { BODIES_OF_ONE = 4, GROUP_LEAST = 64 };
+// as many bodies as take as long, that a group has at least; passes of a substep; groups of a team
+// that has few.
+enum { BODIES_OF_ONE = 4, GROUP_LEAST = 64, PASSES = 2, TEAM_OF_FEW = 4 };
 
 // Contacts of a colour, or bodies that take as long as those.
 static uint32_t most_work(const duet_motion *m)
@@ -187,52 +188,68 @@ static bool takes_substeps(const duet_motion *m, const kernel *k)
     return team_takes(solve) && kernel_param(solve, "LANES") == kernel_param(k, "LANES");
 }
 
-static bool launch_substeps(duet_motion *m, const kernel *k, uint32_t n, duet_error *err)
+// Takes passes (solve_substeps.cl).
+static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
+                          duet_error *err)
 {
     contact_solver *s = &m->solver;
-    s->n_substeps = n;
+    s->from_pass = from;
+    s->to_pass = to;
     s->span = span_of(s, 0);
     s->from_colour = 0;
     s->to_colour = end_of_colours(s);
     if (!team_takes(k) && !kernel_param(k, "MEET"))
         return motion_launch(m, "solve_contacts", k, 1, err);
     return team_launch(m, "solve_contacts", k, most_work(m), k->group > 1 ? k->group : GROUP_LEAST,
-                       2 * n * (1 + s->to_colour), err);
+                       (to - from) * (1 + s->to_colour), err);
 }
 
-// Returns 0 if a substep is several launches. A team of several may lose members up to the end of a
-// launch, which is then not that of the step.
-static uint32_t substeps_at_once(const duet_motion *m, const kernel *k)
+// A team may lose members up to the end of a launch, which is then not that of the step if that
+// leaves few.
+static uint32_t passes_at_once(const duet_motion *m, const kernel *k, uint32_t passes)
 {
-    if (!takes_substeps(m, k))
-        return 0;
-    return team_takes(k) && most_work(m) > GROUP_LEAST ? 1 : m->def.substeps;
+    bool loses =
+        team_takes(k) && most_work(m) > GROUP_LEAST && m->device->info.units <= TEAM_OF_FEW;
+    return loses ? PASSES : passes;
 }
 
-static bool run_substeps(duet_motion *m, duet_error *err)
+// Shocks have given back all speed.
+static bool restores_speeds(const duet_motion *m)
 {
-    const kernel *k = m->kernels.solve_substeps;
-    const uint32_t at_once = substeps_at_once(m, k), each = at_once > 0 ? at_once : 1;
+    return (m->facts & FACT_ELASTIC) && !motion_has_shocks(m);
+}
+
+static bool solve_at_once(duet_motion *m, const kernel *k, duet_error *err)
+{
+    const uint32_t last = PASSES * m->def.substeps, end = last + 1 + restores_speeds(m);
+    const uint32_t each = passes_at_once(m, k, end);
     bool ok = true;
-    for (uint32_t i = 0; ok && i < m->def.substeps; i += each)
-        ok = budget_check(err) &&
-             (at_once > 0 ? launch_substeps(m, k, at_once, err) : substep(m, err));
+    for (uint32_t from = 0, to; ok && from < end; from = to) {
+        to = from + each + (from == 0);
+        to = to > last ? end : to;
+        ok = budget_check(err) && launch_passes(m, k, from, to, err);
+    }
     return ok;
 }
 
 // ---------------------------------------------------------------- all stages
 
-// Shocks have given back all speed.
-static bool restore_speeds(duet_motion *m, duet_error *err)
+static bool run_substeps(duet_motion *m, duet_error *err)
 {
-    return !(m->facts & FACT_ELASTIC) || motion_has_shocks(m) ||
-           for_colours(m, m->kernels.apply_restitution, err);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < m->def.substeps; ++i)
+        ok = budget_check(err) && substep(m, err);
+    return ok;
 }
 
 bool motion_solve(duet_motion *m, duet_error *err)
 {
+    const kernel *k = m->kernels.solve_substeps;
+    if (takes_substeps(m, k))
+        return solve_at_once(m, k, err);
     return for_colours(m, m->kernels.prepare_contacts, err) && run_substeps(m, err) &&
-           restore_speeds(m, err) && store_impulses(m, err);
+           (!restores_speeds(m) || for_colours(m, m->kernels.apply_restitution, err)) &&
+           store_impulses(m, err);
 }
 
 bool motion_finalize(duet_motion *m, duet_error *err)

@@ -36,8 +36,8 @@ typedef struct contact_solver {
     cl_uint sweep, first_sweep; // of shocks, counted on from substep to substep
     cl_uint sorts;              // 1: contacts are listed by colour even if none changed its colour
     cl_uint from_colour, to_colour, each;
-    cl_uint n_substeps; // of a launch
-    cl_int4 span;       // from_colour's
+    cl_uint from_pass, to_pass; // of solve_substeps
+    cl_int4 span;               // from_colour's
 } contact_solver;
 
 bool motion_make_manifolds(duet_motion *m, duet_error *err);
