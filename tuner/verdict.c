@@ -267,28 +267,21 @@ void verdict_race_whole(tuning *t)
     const tune_whole *whole = &t->problem->whole;
     duet_tune_outcome *outcome = t->outcome;
     measure_machine machines[2] = {t->problem->machine};
-    duet_plan plans[2] = {outcome->plan};
-    race r = race_begin(2, NULL);
-    uint32_t rival;
+    field f = {.plans = {outcome->plan}, .n = 2, .machines = machines};
     if (!whole->open || t->why.status != DUET_STATUS_OK)
         return;
-    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1])) {
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &f.plans[1])) {
         if (!budget_check_stop(NULL))
             tuning_stop(t);
         return;
     }
     t->stage = "undivided";
     t->stage_end = ALL;
-    while (tuning_goes_on(t) && race_next(&r, &rival)) {
-        double ns = tuning_run_unlogged(t, &machines[rival], &plans[rival]);
-        if (ns <= 0)
-            return;
-        race_add(&r, rival, ns);
-    }
-    if (race_rounds(&r, 0, 1) < LEAST_RACED)
+    field_race(t, &f, NULL);
+    if (race_rounds(&f.race, 0, 1) < LEAST_RACED)
         return;
-    race_gain gain = race_compare(&r, 0, 1);
-    outcome->whole_ms = race_median(&r, 1) * 1e-6;
+    race_gain gain = race_compare(&f.race, 0, 1);
+    outcome->whole_ms = race_median(&f.race, 1) * 1e-6;
     outcome->whole_gain = gain.ratio - 1;
     outcome->whole_gain_low = gain.interval.low - 1;
     outcome->whole_gain_high = gain.interval.high - 1;
