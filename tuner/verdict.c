@@ -50,12 +50,9 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
 {
     double times[2][STATS_MOST];
     uint32_t n = 0;
-    for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
-        const trial *entry = &state->entries[i];
-        if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
-            continue;
-        times[0][n] = (double)entry->sample.a_ns;
-        times[1][n++] = (double)entry->sample.b_ns;
+    for (const trial *at = NULL; n < STATS_MOST && (at = trial_log_of(state, plan, at)); ++n) {
+        times[0][n] = (double)at->sample.a_ns;
+        times[1][n] = (double)at->sample.b_ns;
     }
     for (int device = 0; device < 2 && n > 0; ++device)
         ns[device] = stats_quartile(times[device], n);
@@ -85,12 +82,8 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
 static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 {
     uint32_t trials = 0, disturbed = 0;
-    for (uint32_t i = 0; i < t->state->played; ++i) {
-        const trial *entry = &t->state->entries[i];
-        bool counts = entry->usable && trial_log_same_plan(&entry->plan, plan);
-        trials += counts;
-        disturbed += counts && 2 * entry->disturbed > entry->launches;
-    }
+    for (const trial *at = NULL; (at = trial_log_of(t->state, plan, at)); ++trials)
+        disturbed += 2 * at->disturbed > at->launches;
     return t->problem->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
 
