@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "cli/costs.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
 #include "tuner/measure.h"
-#include "tuner/stats.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -63,7 +63,7 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
             times[k - WARM] = other ? others / own : own;
         progress_show(&s->tally->shown, ++s->tally->done);
     }
-    stats_sort(times, steps);
+    qsort(times, steps, sizeof *times, compare_double);
     *median = times[steps / 2];
     duet_motion_destroy(other);
     duet_motion_destroy(m);

@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "tuner/kernel_search.h"
-#include "tuner/tune.h"
 
 bool joint_space_add(joint_space *s, int device, const kernel_space *kernel, duet_error *err)
 {
@@ -159,13 +158,9 @@ bool joint_space_plan(const joint_space *s, const search_sample *p, duet_plan *p
 {
     *plan = s->base;
     plan->share = p->share;
-    for (uint32_t i = 0; i < s->kernels.n; ++i) {
-        char variant[DUET_VARIANT];
-        int device = device_of(s, i);
-        if (!kernel_space_write(&s->kernels.of[i], p->configs[i], plan_variant(plan, device),
-                                variant, sizeof variant))
-            return false;
-        plan_set_variant(plan, device, variant);
-    }
-    return true;
+    bool fits = true;
+    for (uint32_t i = 0; fits && i < s->kernels.n; ++i)
+        fits = kernel_space_write(&s->kernels.of[i], p->configs[i],
+                                  device_of(s, i) == 0 ? plan->variant_a : plan->variant_b);
+    return fits;
 }

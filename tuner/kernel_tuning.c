@@ -24,7 +24,7 @@ static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_sp
     for (uint32_t i = 0; i < n; ++i) {
         duet_plan with = *plan;
         char *to = device == 0 ? with.variant_a : with.variant_b;
-        if (!kernel_space_write(space, configs[i], plan_variant(plan, device), to, DUET_VARIANT))
+        if (!kernel_space_write(space, configs[i], to))
             continue;
         field_enter(f, with);
         configs[kept++] = configs[i];
@@ -108,9 +108,7 @@ static void search_kernel(tuning *t, int device, const kernel_space *space, duet
     }
     t->outcome->kernels[device].configs += space->n_configs;
     t->outcome->kernels[device].tried += s.tried;
-    char variant[DUET_VARIANT];
-    if (kernel_space_write(space, s.best, plan_variant(plan, device), variant, sizeof variant))
-        plan_set_variant(plan, device, variant);
+    kernel_space_write(space, s.best, device == 0 ? plan->variant_a : plan->variant_b);
 }
 
 // Races what was found against what was there, by all kernels of the device. Only what is faster

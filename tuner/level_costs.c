@@ -7,7 +7,7 @@
 #include "runtime/scene/scene.h"
 #include "runtime/scene/sorted_pairs.h"
 #include "tuner/measure.h"
-#include "tuner/stats.h"
+#include "tuner/race.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,8 +27,9 @@ typedef struct survey {
     duet_pair *truth;
     core_watch *cores;
     uint64_t begun_ns;
-    double ms[2 * DUET_LEVELS][LEVEL_COSTS_ROUNDS];
-    duet_result result; // the last step's result
+    race race;                  // between all rows, each of which runs in each round
+    double ms[2 * DUET_LEVELS]; // of the round
+    duet_result result;         // the last step's result
 } survey;
 
 // ---------------------------------------------------------------- right and wrong
@@ -103,15 +104,15 @@ static bool step_in_quiet(survey *s, duet_error *err)
 }
 
 // The first step at a level makes its kernels ready and is not timed.
-static bool visit(survey *s, uint32_t at, uint32_t round, duet_error *err)
+static bool visit(survey *s, uint32_t at, duet_error *err)
 {
     level_cost *row = &s->costs->rows[at];
     if (row->device != LEVEL_COSTS_BOTH)
         s->plan.share = row->device == 0 ? DUET_SHARE_ONE : 0;
     bool ok = budget_check(err) && duet_world_set_level(s->world, row->level, err) &&
               duet_world_set_plan(s->world, &s->plan, err) && step(s, err);
-    ok = ok && (round > 0 || compare(s, row, err)) && step_in_quiet(s, err);
-    s->ms[at][round] = s->result.total_ms;
+    ok = ok && (s->costs->rounds > 0 || compare(s, row, err)) && step_in_quiet(s, err);
+    s->ms[at] = s->result.total_ms;
     return ok;
 }
 
@@ -132,12 +133,15 @@ static bool run_rounds(survey *s, duet_error *err)
     uint64_t done = 0;
     bool more = true;
     while (more && p->rounds < def->rounds) {
-        for (uint32_t at = 0; more && at < p->n; ++at) {
-            if (!visit(s, at, p->rounds, err))
+        uint32_t at = 0;
+        for (; more && at < p->n; ++at) {
+            if (!visit(s, at, err))
                 return false;
             more = tell_watcher(s, ++done);
         }
-        p->rounds += done == (uint64_t)(p->rounds + 1) * p->n;
+        p->rounds += at == p->n;
+        for (uint32_t i = 0; at == p->n && i < p->n; ++i)
+            race_add(&s->race, i, s->ms[i]);
     }
     return p->rounds > 0 ||
            error_set(err, DUET_STATUS_INTERRUPTED, "stopped before each level had a step");
@@ -150,26 +154,9 @@ static uint64_t wrong(const level_cost *row)
     return row->missed + row->added;
 }
 
-// Least confidence with which a difference is told from noise.
-static const double CONFIDENCE = 0.95;
-
-// How many times as long a row's step takes as another's, round by round: what slows a
-// round slows both. Too few rounds show nothing.
-static stats_interval ratio_of(const survey *s, uint32_t row, uint32_t other, double *median)
-{
-    double ratios[LEVEL_COSTS_ROUNDS];
-    uint32_t n = s->costs->rounds;
-    for (uint32_t i = 0; i < n; ++i)
-        ratios[i] = s->ms[row][i] / s->ms[other][i];
-    if (median)
-        *median = stats_median(ratios, n);
-    stats_interval known = stats_median_interval(ratios, n, CONFIDENCE);
-    return known.confidence >= CONFIDENCE ? known : (stats_interval){0, INFINITY, known.confidence};
-}
-
 static bool is_faster(const survey *s, uint32_t row, uint32_t other)
 {
-    return row != other && ratio_of(s, row, other, NULL).high < 1;
+    return race_compare(&s->race, row, other).verdict == RACE_FASTER;
 }
 
 // By time beyond noise, or by fewer wrong pairs in a time that is not longer beyond noise.
@@ -183,10 +170,12 @@ static bool beats(const survey *s, uint32_t i, uint32_t k)
 static void compare_times(survey *s, uint32_t at, uint32_t textbook)
 {
     level_cost *row = &s->costs->rows[at];
-    stats_interval known = ratio_of(s, at, textbook, &row->relative);
-    row->relative_low = known.low;
-    row->relative_high = known.high;
-    row->same = at != textbook && known.low <= 1 && known.high >= 1;
+    race_gain gain = race_compare(&s->race, textbook, at); // too few rounds show nothing
+    bool known = gain.verdict != RACE_AMBIGUOUS;
+    row->relative = gain.ratio;
+    row->relative_low = known ? gain.interval.low : 0;
+    row->relative_high = known ? gain.interval.high : INFINITY;
+    row->same = at != textbook && (!known || gain.verdict == RACE_SAME);
 }
 
 static void draw_conclusions(survey *s)
@@ -194,7 +183,7 @@ static void draw_conclusions(survey *s)
     level_costs *p = s->costs;
     uint32_t textbook[LEVEL_COSTS_BOTH + 1] = {0};
     for (uint32_t i = 0; i < p->n; ++i) {
-        p->rows[i].step_ms = stats_median(s->ms[i], p->rounds);
+        p->rows[i].step_ms = race_median(&s->race, i);
         if (p->rows[i].level == DUET_LEVEL_SAT15)
             textbook[p->rows[i].device] = i;
     }
@@ -222,6 +211,11 @@ static void list_rows(level_costs *p, const level_costs_def *def, int device)
 
 bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error *err)
 {
+    // None leaves, however slow it is.
+    const race_options rounds = {.least_rounds = 1,
+                                 .most_rounds = LEVEL_COSTS_ROUNDS,
+                                 .confidence = 0.95,
+                                 .stay = 2 * DUET_LEVELS};
     *p = (level_costs){0};
     if (def->alone && !duet_device_pair_is_one(def->pair))
         list_rows(p, def, 0);
@@ -232,6 +226,7 @@ bool level_costs_measure(level_costs *p, const level_costs_def *def, duet_error 
                 .scene = def->scene,
                 .plan = world.plan,
                 .cores = core_watch_open(),
+                .race = race_begin(p->n, &rounds),
                 .begun_ns = clock_steady_ns()};
     s.world = duet_world_create(&world, err);
     bool ok = s.world && duet_world_set_scene(s.world, s.scene, err) &&
@@ -287,13 +282,16 @@ static double excess(const profile_level_cost *offer, const duet_accuracy *accur
            fmax(wrong.false_rate - accuracy->false_rate, 0);
 }
 
-static const profile_level_cost *quickest_within(const profile_level_cost *offers, uint32_t n,
-                                                 const duet_accuracy *accuracy)
+// The one that is least above what is allowed, and of equal ones the quickest.
+static const profile_level_cost *find_nearest(const profile_level_cost *offers, uint32_t n,
+                                              const duet_accuracy *accuracy)
 {
-    const profile_level_cost *best = NULL;
-    for (uint32_t i = 0; i < n; ++i)
-        if (excess(&offers[i], accuracy) <= 0 && (!best || offers[i].step_ns < best->step_ns))
+    const profile_level_cost *best = offers;
+    for (uint32_t i = 1; i < n; ++i) {
+        double above = excess(&offers[i], accuracy), least = excess(best, accuracy);
+        if (above < least || (above == least && offers[i].step_ns < best->step_ns))
             best = &offers[i];
+    }
     return best;
 }
 
@@ -313,32 +311,22 @@ static const profile_level_cost *safer_for_nothing(const profile_level_cost *off
     return best;
 }
 
-static bool tell_nearest(const profile_level_cost *offers, uint32_t n,
-                         const duet_accuracy *accuracy, duet_error *err)
-{
-    if (n == 0)
-        return error_set(err, DUET_STATUS_NOT_FOUND,
-                         "none of the levels to choose from runs on both devices");
-    const profile_level_cost *nearest = &offers[0];
-    for (uint32_t i = 1; i < n; ++i)
-        if (excess(&offers[i], accuracy) < excess(nearest, accuracy))
-            nearest = &offers[i];
-    return error_set(err, DUET_STATUS_NOT_FOUND,
-                     "no level to choose from is within missed %.6g and false rate %.6g: '%s' "
-                     "comes nearest, with %.6g and %.6g",
-                     accuracy->missed, accuracy->false_rate, nearest->level,
-                     wrong_of(nearest).missed, wrong_of(nearest).false_rate);
-}
-
 bool level_choose(const profile_level_cost *costs, uint32_t n_costs, const duet_level *levels,
                   uint32_t n_levels, const duet_accuracy *accuracy, duet_level *level,
                   duet_error *err)
 {
     profile_level_cost offers[PROFILE_LEVEL_COSTS];
     uint32_t n = list_offers(costs, n_costs, levels, n_levels, offers);
-    const profile_level_cost *quickest = quickest_within(offers, n, accuracy);
-    if (!quickest)
-        return tell_nearest(offers, n, accuracy, err);
-    *level = level_of(safer_for_nothing(offers, n, quickest, accuracy));
+    const profile_level_cost *nearest = find_nearest(offers, n, accuracy);
+    if (n == 0)
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "none of the levels to choose from runs on both devices");
+    if (excess(nearest, accuracy) > 0)
+        return error_set(err, DUET_STATUS_NOT_FOUND,
+                         "no level to choose from is within missed %.6g and false rate %.6g: '%s' "
+                         "comes nearest, with %.6g and %.6g",
+                         accuracy->missed, accuracy->false_rate, nearest->level,
+                         wrong_of(nearest).missed, wrong_of(nearest).false_rate);
+    *level = level_of(safer_for_nothing(offers, n, nearest, accuracy));
     return true;
 }

@@ -136,18 +136,18 @@ static void summarize(measurement *m, const measure_launch *launches)
     uint32_t samples[MEASURE_LAUNCHES];
     bool marks[MEASURE_LAUNCHES];
     uint32_t n = list_counted(m, totals, samples);
-    m->outliers = stats_mark_outliers(totals, n, marks);
-    m->median_ns = stats_median(totals, n);
-    m->mad_ns = stats_mad(totals, n);
+    m->row.outliers = stats_mark_outliers(totals, n, marks);
+    m->row.median_ns = stats_median(totals, n);
+    m->row.mad_ns = stats_mad(totals, n);
     stats_interval in = stats_median_interval(totals, n, 0.95);
-    m->low_ns = in.low;
-    m->high_ns = in.high;
+    m->row.low_ns = in.low;
+    m->row.high_ns = in.high;
     uint32_t typical = 0;
     for (uint32_t i = 0; i < n; ++i) {
         if (marks[i])
             m->samples[samples[i]].flags |= PROFILE_SAMPLE_OUTLIER;
-        bool nearer = totals[i] <= m->median_ns && totals[i] > totals[typical];
-        if (nearer || totals[typical] > m->median_ns)
+        bool nearer = totals[i] <= m->row.median_ns && totals[i] > totals[typical];
+        if (nearer || totals[typical] > m->row.median_ns)
             typical = i;
     }
     m->typical = samples[typical];
@@ -221,7 +221,7 @@ static bool measure_energy(measurement *m, const measure_machine *machine, const
 {
     enum { MOVES = 4, BATCHES = 64, MOST = 1000000 };
     static const double longest_ns = 2e9; // that a counter may stand
-    double launch_ns = fmax(m->median_ns, 1), window_ns = (double)energy_meter_window_ns(meter);
+    double launch_ns = fmax(m->row.median_ns, 1), window_ns = (double)energy_meter_window_ns(meter);
     uint32_t batch = (uint32_t)fmin(fmax(ceil(window_ns / BATCHES / launch_ns), 1), MOST);
     uint32_t most = (uint32_t)fmin(fmax(longest_ns / launch_ns, 1), MOST), n = 0;
     bool ok = train_until_move(machine, plan, meter, batch, most, &n, &m->failure);
@@ -250,7 +250,7 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
         summarize(&m, launches);
     if (way.meter && err->status == DUET_STATUS_OK && m.counted == way.repeats)
         measure_energy(&m, machine, plan, way.meter);
-    m.outcome = outcome_of(err);
+    m.row.outcome = outcome_of(err);
     m.trial.launches = m.n_samples;
     m.trial.spent_ns = clock_steady_ns() - begun;
     m.trial.usable = err->status == DUET_STATUS_OK;

@@ -49,20 +49,15 @@ typedef struct measure_machine {
 } measure_machine;
 
 typedef struct measurement {
-    trial trial;                              // but its time in focus; usable: the outcome is "ok"
-    const char *outcome;                      // the same texts as a profile_trial's
-    duet_error failure;                       // why the outcome is not "ok"
+    trial trial;        // but its time in focus; usable: the outcome is "ok"
+    duet_error failure; // why the outcome is not "ok"
+    profile_trial row;  // its outcome, and statistics of the samples that count
     profile_sample samples[MEASURE_LAUNCHES]; // the first is the warm-up, if there is one
     uint32_t n_samples;
-    uint32_t counted;  // samples that the statistics are of; fewer than asked for: the others were
-                       // disturbed, however often they were repeated
+    uint32_t counted;  // fewer than asked for: the others were disturbed, however often they were
+                       // repeated
     uint32_t repeated; // disturbed launches that therefore do not count
-    uint32_t outliers;
-    double median_ns;
-    double mad_ns;
-    double low_ns;
-    double high_ns;
-    uint32_t typical;      // the sample with the median time, the lower one of two
+    uint32_t typical;  // the sample with the median time, the lower one of two
     measure_launch launch; // that one, with the least that each stage took in any
 } measurement;
 

@@ -11,7 +11,7 @@
 
 #include "tuner/stats.h"
 
-enum { RACE_RIVALS = 32, RACE_ROUNDS = 64 };
+enum { RACE_RIVALS = 32, RACE_ROUNDS = 100 };
 
 typedef struct race_options {
     uint32_t least_rounds; // before any plan drops out

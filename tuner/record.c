@@ -165,22 +165,15 @@ static bool keep_trial(void *context, const duet_plan *plan, const measurement *
     int64_t number;
     trial_log_to_json(state, &json);
     terms_to_json(&m->launch.terms, &terms);
-    profile_trial row = {
-        .plan = profile_subject_write_plan(plan, r->request.workload->level),
-        .outcome = m->outcome,
-        .reason = ran ? NULL : m->failure.text,
-        .outliers = m->outliers,
-        .disturbed = m->trial.disturbed - m->repeated,
-        .median_ns = m->median_ns,
-        .mad_ns = m->mad_ns,
-        .low_ns = m->low_ns,
-        .high_ns = m->high_ns,
-        .a_ns = (double)m->trial.sample.a_ns,
-        .b_ns = (double)m->trial.sample.b_ns,
-        .terms = ran ? text_chars(&terms) : NULL,
-        .samples = m->samples,
-        .n_samples = m->n_samples,
-    };
+    profile_trial row = m->row;
+    row.plan = profile_subject_write_plan(plan, r->request.workload->level);
+    row.reason = ran ? NULL : m->failure.text;
+    row.disturbed = m->trial.disturbed - m->repeated;
+    row.a_ns = (double)m->trial.sample.a_ns;
+    row.b_ns = (double)m->trial.sample.b_ns;
+    row.terms = ran ? text_chars(&terms) : NULL;
+    row.samples = m->samples;
+    row.n_samples = m->n_samples;
     bool ok = text_ok(&json, err) && text_ok(&terms, err) &&
               profile_trial_add(r->store, r->session, &row, text_chars(&json), &number, err);
     text_free(&json);
@@ -292,12 +285,21 @@ bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_
     return profile_session_end(r->store, r->session, ok ? how : "failed", err) && ok;
 }
 
+// Keeps a plan that was found without trials, as a session of its own.
+static bool keep_found(record *r, const char *strategy, profile_row *row, const char *because,
+                       duet_error *err)
+{
+    profile_session session = session_of(r, strategy);
+    if (!profile_session_begin(r->store, &session, r->session, err))
+        return false;
+    row->trial_number = -1;
+    bool ok = profile_put(r->store, row, NULL, because, NULL, err);
+    return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
+}
+
 bool record_raced(record *r, const duet_plan *plan, const race *ran, uint32_t winner,
                   uint32_t other, duet_error *err)
 {
-    profile_session session = session_of(r, "race");
-    if (!profile_session_begin(r->store, &session, r->session, err))
-        return false;
     const double *times = ran->rivals[winner].ns;
     const uint32_t n = ran->rivals[winner].rounds;
     const stats_interval in = stats_median_interval(times, n, ran->options.confidence);
@@ -312,23 +314,20 @@ bool record_raced(record *r, const duet_plan *plan, const race *ran, uint32_t wi
     row.gain_high = gain.interval.high - 1;
     row.verdict = race_verdict_name(gain.verdict);
     row.rounds = n;
-    row.true_pairs = row.trial_number = -1;
-    bool ok = profile_put(r->store, &row, NULL, "replaced by a later tuning", NULL, err);
-    return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
+    row.true_pairs = -1;
+    return keep_found(r, "race", &row, "replaced by a later tuning", err);
 }
 
 // The gain of sharing was not measured again: it is taken from the profile before, if there is one.
 bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error *err)
 {
     profile_found before;
-    profile_session session = session_of(r, "chunks");
-    if (!profile_lookup(r->store, &r->request, &before, NULL, err) ||
-        !profile_session_begin(r->store, &session, r->session, err))
+    if (!profile_lookup(r->store, &r->request, &before, NULL, err))
         return false;
     profile_row row = row_of(r, plan, "online");
     row.median_ns = row.low_ns = row.high_ns = step_ns;
     row.verdict = "ambiguous";
-    row.true_pairs = row.trial_number = -1;
+    row.true_pairs = -1;
     if (before.grade == PROFILE_EXACT) {
         row.gain = before.gain;
         row.gain_low = before.gain_low;
@@ -341,6 +340,5 @@ bool record_online(record *r, const duet_plan *plan, double step_ns, duet_error 
         row.false_rate = before.false_rate;
         row.true_pairs = before.true_pairs;
     }
-    bool ok = profile_put(r->store, &row, NULL, "tuned on line", NULL, err);
-    return profile_session_end(r->store, r->session, ok ? "complete" : "failed", err) && ok;
+    return keep_found(r, "chunks", &row, "tuned on line", err);
 }

@@ -116,12 +116,10 @@ void recorded_space_order(recorded_space *s, char variant[DUET_VARIANT])
     for (uint32_t i = 0; i < s->n; ++i) {
         const kernel_space *k = &s->kernels[i];
         uint32_t config = 0;
-        char base[DUET_VARIANT];
         while (config < k->n_configs &&
                memcmp(k->configs[config], configs[i], sizeof *configs) != 0)
             ++config;
-        snprintf(base, sizeof base, "%s", variant);
         if (config < k->n_configs)
-            kernel_space_write(k, config, base, variant, DUET_VARIANT);
+            kernel_space_write(k, config, variant);
     }
 }

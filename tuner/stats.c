@@ -8,16 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-void stats_sort(double *values, size_t n)
-{
-    qsort(values, n, sizeof *values, compare_double);
-}
-
 static void sort_into(double *sorted, const double *values, uint32_t n)
 {
     assert(n > 0 && n <= STATS_MOST);
     memcpy(sorted, values, n * sizeof *values);
-    stats_sort(sorted, n);
+    qsort(sorted, n, sizeof *sorted, compare_double);
 }
 
 double stats_median(const double *values, uint32_t n)

@@ -8,7 +8,6 @@
 #define TUNER_STATS_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 typedef struct stats_interval {
@@ -16,9 +15,6 @@ typedef struct stats_interval {
     double high;
     double confidence; // that it really has
 } stats_interval;
-
-// From the least to the greatest.
-void stats_sort(double *values, size_t n);
 
 // Returns the median of n > 0 values, in any order; up to STATS_MOST of them.
 #define STATS_MOST 512

@@ -14,11 +14,6 @@ const terms_field terms_fields[] = {
     {"joules", AT(joules)}, {NULL, 0},
 };
 
-static double *value_of(const terms_field *f, duet_tune_terms *terms)
-{
-    return (double *)((char *)terms + f->at);
-}
-
 double terms_value(const terms_field *f, const duet_tune_terms *terms)
 {
     return *(const double *)((const char *)terms + f->at);
@@ -37,6 +32,6 @@ void terms_from_json(const cJSON *json, duet_tune_terms *terms)
     *terms = (duet_tune_terms){0};
     for (const terms_field *f = terms_fields; f->name; ++f) {
         const cJSON *number = cJSON_GetObjectItemCaseSensitive(json, f->name);
-        *value_of(f, terms) = cJSON_IsNumber(number) ? number->valuedouble : 0;
+        *(double *)((char *)terms + f->at) = cJSON_IsNumber(number) ? number->valuedouble : 0;
     }
 }

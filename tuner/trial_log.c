@@ -44,6 +44,14 @@ const trial *trial_log_next(trial_log *t, const duet_plan *plan)
     return entry;
 }
 
+const trial *trial_log_of(const trial_log *t, const duet_plan *plan, const trial *after)
+{
+    const trial *end = t->entries + t->played, *at = after ? after + 1 : t->entries;
+    while (at < end && !(at->usable && trial_log_same_plan(&at->plan, plan)))
+        ++at;
+    return at < end ? at : NULL;
+}
+
 // ---------------------------------------------------------------- JSON
 
 // Variants are words, names and numbers: nothing that JSON would escape.

@@ -38,6 +38,9 @@ bool trial_log_same_plan(const duet_plan *a, const duet_plan *b);
 // something that decides has changed: the rest is forgotten.
 const trial *trial_log_next(trial_log *t, const duet_plan *plan);
 
+// The first trial so far, or the first after `after`, that measured the plan; NULL: there is none.
+const trial *trial_log_of(const trial_log *t, const duet_plan *plan, const trial *after);
+
 void trial_log_to_json(const trial_log *t, text *json);
 // BAD_INPUT for text that no log wrote.
 bool trial_log_from_json(trial_log *t, const char *json, duet_error *err);

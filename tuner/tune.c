@@ -40,9 +40,8 @@ static double median_ms(const trial_log *log, const duet_plan *plan)
 {
     double ms[STATS_MOST];
     uint32_t n = 0;
-    for (uint32_t i = 0; i < log->played && n < STATS_MOST; ++i)
-        if (log->entries[i].usable && trial_log_same_plan(&log->entries[i].plan, plan))
-            ms[n++] = (double)log->entries[i].sample.total_ns * 1e-6;
+    for (const trial *at = NULL; n < STATS_MOST && (at = trial_log_of(log, plan, at)); ++n)
+        ms[n] = (double)at->sample.total_ns * 1e-6;
     return n ? stats_median(ms, n) : NAN;
 }
 

@@ -184,7 +184,7 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
     if (m->trial.usable)
         return true;
     error_set(&t->failure, m->failure.status, "no plan runs: %s", m->failure.text);
-    if (strcmp(m->outcome, "wrong") == 0 && has_default_variants(t->problem, plan))
+    if (strcmp(m->row.outcome, "wrong") == 0 && has_default_variants(t->problem, plan))
         return error_set(&t->why, DUET_STATUS_WRONG_RESULT,
                          "share %u of %u, variants '%s' and '%s': %s", plan->share, DUET_SHARE_ONE,
                          plan->variant_a, plan->variant_b, m->failure.text);
@@ -247,13 +247,13 @@ trial tuning_run_trial(tuning *t, const duet_plan *plan)
     return got;
 }
 
-double tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan)
+trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan)
 {
     measurement m;
     if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m))
-        return 0;
+        return (trial){0};
     ++t->unlogged;
     count_trial(t, &m.trial);
     tell_trial(t, &m.trial, false);
-    return m.trial.usable ? (double)m.trial.sample.total_ns : 0;
+    return m.trial;
 }

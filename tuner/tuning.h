@@ -63,9 +63,8 @@ bool tuning_goes_on(const tuning *t);
 // does not run, or of a tuning that has stopped, is not usable.
 trial tuning_run_trial(tuning *t, const duet_plan *plan);
 
-// The same on any machine, without the log: a resumed tuning runs it again. Returns ns; 0 if the
-// plan does not run.
-double tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan);
+// The same on any machine, without the log: a resumed tuning runs it again.
+trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan);
 
 // The tuning has waited for other programs as long as it may, and has stopped because of that.
 bool tuning_is_out_of_patience(const tuning *t);

@@ -50,12 +50,9 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
 {
     double times[2][STATS_MOST];
     uint32_t n = 0;
-    for (uint32_t i = 0; i < state->played && n < STATS_MOST; ++i) {
-        const trial *entry = &state->entries[i];
-        if (!entry->usable || !trial_log_same_plan(&entry->plan, plan))
-            continue;
-        times[0][n] = (double)entry->sample.a_ns;
-        times[1][n++] = (double)entry->sample.b_ns;
+    for (const trial *at = NULL; n < STATS_MOST && (at = trial_log_of(state, plan, at)); ++n) {
+        times[0][n] = (double)at->sample.a_ns;
+        times[1][n] = (double)at->sample.b_ns;
     }
     for (int device = 0; device < 2 && n > 0; ++device)
         ns[device] = stats_quartile(times[device], n);
@@ -85,12 +82,8 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
 static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 {
     uint32_t trials = 0, disturbed = 0;
-    for (uint32_t i = 0; i < t->state->played; ++i) {
-        const trial *entry = &t->state->entries[i];
-        bool counts = entry->usable && trial_log_same_plan(&entry->plan, plan);
-        trials += counts;
-        disturbed += counts && 2 * entry->disturbed > entry->launches;
-    }
+    for (const trial *at = NULL; (at = trial_log_of(t->state, plan, at)); ++trials)
+        disturbed += 2 * at->disturbed > at->launches;
     return t->problem->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
 
@@ -267,28 +260,21 @@ void verdict_race_whole(tuning *t)
     const tune_whole *whole = &t->problem->whole;
     duet_tune_outcome *outcome = t->outcome;
     measure_machine machines[2] = {t->problem->machine};
-    duet_plan plans[2] = {outcome->plan};
-    race r = race_begin(2, NULL);
-    uint32_t rival;
+    field f = {.plans = {outcome->plan}, .n = 2, .machines = machines};
     if (!whole->open || t->why.status != DUET_STATUS_OK)
         return;
-    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &plans[1])) {
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &f.plans[1])) {
         if (!budget_check_stop(NULL))
             tuning_stop(t);
         return;
     }
     t->stage = "undivided";
     t->stage_end = ALL;
-    while (tuning_goes_on(t) && race_next(&r, &rival)) {
-        double ns = tuning_run_unlogged(t, &machines[rival], &plans[rival]);
-        if (ns <= 0)
-            return;
-        race_add(&r, rival, ns);
-    }
-    if (race_rounds(&r, 0, 1) < LEAST_RACED)
+    field_race(t, &f, NULL);
+    if (race_rounds(&f.race, 0, 1) < LEAST_RACED)
         return;
-    race_gain gain = race_compare(&r, 0, 1);
-    outcome->whole_ms = race_median(&r, 1) * 1e-6;
+    race_gain gain = race_compare(&f.race, 0, 1);
+    outcome->whole_ms = race_median(&f.race, 1) * 1e-6;
     outcome->whole_gain = gain.ratio - 1;
     outcome->whole_gain_low = gain.interval.low - 1;
     outcome->whole_gain_high = gain.interval.high - 1;

@@ -3,6 +3,7 @@
 #include "cli/cluster/rank.h"
 #include "cli/cluster/rank_motion.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "base/output.h"
 #include "cli/interrupt.h"
@@ -13,7 +14,6 @@
 #include "cluster/cluster.h"
 #include "cluster/ghost_traffic.h"
 #include "cluster/rank_watch.h"
-#include "tuner/stats.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -245,7 +245,7 @@ static bool run_steps(run_state *r, duet_error *err)
     if (ok && r->n_steps == 0)
         return tell_stop(r, err);
     if (ok)
-        stats_sort(r->total_ms, r->n_steps);
+        qsort(r->total_ms, r->n_steps, sizeof *r->total_ms, compare_double);
     return ok && duet_cluster_get_ranks(r->cluster, r->ranks, err);
 }
 

@@ -10,9 +10,9 @@
 #include "cli/commands/tune_replay.h"
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
+#include "cli/tune_config.h"
 #include "runtime/task/task.h"
 #include "tuner/strategy.h"
-#include "tuner/tune_config.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -150,17 +150,17 @@ static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_e
 }
 
 // Cuts a copy of the list at its commas; a variant may hold spaces.
-static bool cut_variants(tune_config *config, const char *list, duet_error *err)
+static bool cut_list(text *copy, const char *list, const char *name, const char **items,
+                     uint32_t most, uint32_t *n, duet_error *err)
 {
-    config->def.n_variants = 0;
-    text_add(&config->list, "%s", list);
-    if (!text_ok(&config->list, err))
+    text_add(copy, "%s", list);
+    if (!text_ok(copy, err))
         return false;
-    for (char *at = config->list.chars; at;) {
-        if (config->def.n_variants == CONFIG_VARIANTS)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--variants: at most %d",
-                             CONFIG_VARIANTS);
-        config->variants[config->def.n_variants++] = at;
+    *n = 0;
+    for (char *at = copy->chars; at;) {
+        if (*n == most)
+            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: at most %u", name, most);
+        items[(*n)++] = at;
         at = strchr(at, ',');
         if (at)
             *at++ = '\0';
@@ -171,19 +171,14 @@ static bool cut_variants(tune_config *config, const char *list, duet_error *err)
 // "sat6,sat15" as levels.
 static bool read_levels(const char *list, tune_config *config, duet_error *err)
 {
-    config->def.n_levels = 0;
-    for (const char *at = list; at;) {
-        char name[32];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
-        if (config->def.n_levels == DUET_LEVELS)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--level: at most %d levels",
-                             DUET_LEVELS);
-        if (!inputs_read_level(name, &config->levels[config->def.n_levels++], err))
-            return false;
-        const char *comma = strchr(at, ',');
-        at = comma ? comma + 1 : NULL;
-    }
-    return true;
+    text copy = {0};
+    const char *names[DUET_LEVELS];
+    duet_tune_def *def = &config->def;
+    bool ok = cut_list(&copy, list, "--level", names, DUET_LEVELS, &def->n_levels, err);
+    for (uint32_t i = 0; ok && i < def->n_levels; ++i)
+        ok = inputs_read_level(names[i], &config->levels[i], err);
+    text_free(&copy);
+    return ok;
 }
 
 // Levels on the command line replace those of the file.
@@ -274,7 +269,9 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     config->def.repeats = args->repeats > 0 ? (uint32_t)args->repeats : config->def.repeats;
     if (!change_levels(&args->level, config, err))
         return false;
-    return !args->variants || cut_variants(config, args->variants, err);
+    return !args->variants ||
+           cut_list(&config->list, args->variants, "--variants", config->variants, CONFIG_VARIANTS,
+                    &config->def.n_variants, err);
 }
 
 // ---------------------------------------------------------------- workloads

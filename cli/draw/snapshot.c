@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "cli/draw/snapshot.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "cli/body_states.h"
 #include "cli/draw/relief.h"
 #include "cli/draw/view.h"
 #include "cli/report/table.h"
 #include "runtime/scene/scene.h"
-#include "tuner/stats.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -54,8 +54,8 @@ static bool find_extent(const snapshot *s, const body_states *c, uint32_t axis, 
         lowers[n] = c->states[i].centre[axis] - reach;
         uppers[n++] = c->states[i].centre[axis] + reach;
     }
-    stats_sort(lowers, n);
-    stats_sort(uppers, n);
+    qsort(lowers, n, sizeof *lowers, compare_double);
+    qsort(uppers, n, sizeof *uppers, compare_double);
     *lower = n > 0 ? lowers[n / EDGE] : 0.0;
     *upper = n > 0 ? uppers[n - 1 - n / EDGE] : 0.0;
     free(lowers);

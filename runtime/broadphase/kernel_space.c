@@ -179,15 +179,14 @@ bool kernel_spaces_read(duet_world *world, int side, kernel_spaces *to, duet_err
     return ok;
 }
 
-bool kernel_space_write(const kernel_space *space, uint32_t config, const char *base, char *text,
-                        size_t size)
+bool kernel_space_write(const kernel_space *space, uint32_t config, char text[DUET_VARIANT])
 {
-    int n = snprintf(text, size, "%s", base);
-    for (uint32_t i = 0; i < space->n_params && n < (int)size; ++i) {
+    size_t n = strlen(text);
+    for (uint32_t i = 0; i < space->n_params && n < DUET_VARIANT; ++i) {
         uint8_t value = space->configs[config][i];
         if (value != space->configs[space->now][i])
-            n += snprintf(text + n, size - (size_t)n, " %s.%s=%" PRId64, space->kernel,
-                          space->params[i].name, space->params[i].values[value]);
+            n += (size_t)snprintf(text + n, DUET_VARIANT - n, " %s.%s=%" PRId64, space->kernel,
+                                  space->params[i].name, space->params[i].values[value]);
     }
-    return n < (int)size;
+    return n < DUET_VARIANT;
 }

@@ -61,7 +61,6 @@ bool kernel_spaces_read(duet_world *world, int side, kernel_spaces *to, duet_err
 
 // Adds to a variant's text what a config sets otherwise than the one that ran:
 // "gpu pair_search_gpu.WG=64". False if the text would be too long.
-bool kernel_space_write(const kernel_space *space, uint32_t config, const char *base, char *text,
-                        size_t size);
+bool kernel_space_write(const kernel_space *space, uint32_t config, char text[DUET_VARIANT]);
 
 #endif

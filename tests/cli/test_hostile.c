@@ -9,7 +9,7 @@
 #include "base/text_file.h"
 #include "gen/card.h"
 #include "lua/session.h"
-#include "tuner/tune_config.h"
+#include "cli/tune_config.h"
 
 #include <stdio.h>
 #include <string.h>

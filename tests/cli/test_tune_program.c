@@ -8,7 +8,7 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
-#include "tuner/tune_config.h"
+#include "cli/tune_config.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 // Tune files: what to tune, and how.
 #include "support/fuzz.h"
 
-#include "tuner/tune_config.h"
+#include "cli/tune_config.h"
 
 static void require_config(const tune_config *c)
 {

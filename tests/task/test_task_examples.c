@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static char folder[512];
 
@@ -39,8 +40,9 @@ static void launch_configs(task_launcher *l)
     assert_true(space->n_configs >= 9);
     for (uint32_t i = 0; i < space->n_configs; ++i) {
         plan.share = (i * 7919u) % DUET_SHARE_ONE;
-        assert_true(kernel_space_write(space, i, "auto", plan.variant_a, sizeof plan.variant_a));
-        assert_true(kernel_space_write(space, i, "auto", plan.variant_b, sizeof plan.variant_b));
+        strcpy(plan.variant_a, "auto");
+        assert_true(kernel_space_write(space, i, plan.variant_a));
+        strcpy(plan.variant_b, plan.variant_a);
         if (!task_launch(l, &plan, &r, &err))
             fail_msg("%s: %s", plan.variant_a, err.text);
     }

@@ -115,7 +115,7 @@ TEST(a_counter_that_moves_seldom_tells_energies_and_leads_to_a_verdict)
         duet_plan plan = {.share = rng_below(&random_of, DUET_SHARE_ONE + 1)};
         double share = plan.share / 65536.0;
         measurement found = measure_plan(&machine, &plan, (measure_way){.repeats = 2, .meter = m});
-        assert_string_equal(found.outcome, "ok");
+        assert_string_equal(found.row.outcome, "ok");
         double off = found.trial.terms.joules / step_joules(share) - 1;
         // a step at both ends, of 400 ms, and the noise of ten steps or more
         assert_true(fabs(off) < step_ms(share) / 400 + 4 * sigma / sqrt(10));
@@ -166,7 +166,7 @@ TEST(a_counter_that_does_not_move_is_no_energy)
     energy_meter *m = open_meter();
     measurement found =
         measure_plan(&machine, &(duet_plan){0}, (measure_way){.repeats = 2, .meter = m});
-    assert_string_not_equal(found.outcome, "ok");
+    assert_string_not_equal(found.row.outcome, "ok");
     assert_non_null(strstr(found.failure.text, FILE_NAME " did not move within 2000 launches"));
     energy_meter_close(m);
 }

@@ -409,7 +409,7 @@ TEST(a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did)
         .context = &launched, .launch = launch_clearing, .hash = RIGHT};
     const measurement m =
         measure_plan(&machine, &(duet_plan){0}, (measure_way){.repeats = 2, .staged = true});
-    assert_string_equal(m.outcome, "ok");
+    assert_string_equal(m.row.outcome, "ok");
     assert_int_equal(launched, 3);
     assert_int_equal(measure_stages_ns(&m.launch, 1, stages, 1), 1000000);
 }

@@ -5,6 +5,7 @@
 #include "runtime/broadphase/kernel_space.h"
 #include "tuner/subject.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -106,17 +107,17 @@ TEST(configs_that_are_not_valid_are_left_out)
 TEST(a_config_as_text_runs_and_finds_the_same_pairs)
 {
     fixture *f = *state;
-    char variant[DUET_VARIANT];
+    char variant[DUET_VARIANT] = "simd", full[DUET_VARIANT];
     measure_launch plain = {0}, set = {0};
     kernel_spaces spaces = read_b(f, "simd");
     const kernel_space *s = find(&spaces, "clear");
-    assert_true(kernel_space_write(s, s->now, "simd", variant, sizeof variant));
+    assert_true(kernel_space_write(s, s->now, variant));
     assert_string_equal(variant, "simd");
     uint32_t other = s->now == 0 ? 1 : 0;
-    assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
+    assert_true(kernel_space_write(s, other, variant));
     assert_ptr_equal(strstr(variant, "simd clear."), variant);
-    assert_false(kernel_space_write(s, other, "simd", variant, 8));
-    assert_true(kernel_space_write(s, other, "simd", variant, sizeof variant));
+    snprintf(full, sizeof full, "%*s", (int)sizeof full - 8, "simd");
+    assert_false(kernel_space_write(s, other, full));
     measure_machine machine = subject_machine(&f->at, 0);
     duet_plan plan = plan_of_b("simd");
     must(machine.launch(machine.context, &plan, false, &plain, ERR));

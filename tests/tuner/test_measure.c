@@ -58,7 +58,7 @@ TEST(a_gpus_launches_that_count_are_not_timed_by_stages)
         measure_machine watching = {.context = &w, .launch = launch_watched, .hash = first.hash};
         measurement m =
             measure_plan(&watching, &plan, (measure_way){.repeats = 12, .staged = cases[i].staged});
-        assert_string_equal(m.outcome, "ok");
+        assert_string_equal(m.row.outcome, "ok");
         assert_int_equal(w.launches, 13);
         assert_int_equal(w.timed, cases[i].timed);
         assert_true(m.launch.terms.gpu2 > 0); // the launch that warmed up has it

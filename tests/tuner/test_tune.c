@@ -851,16 +851,16 @@ TEST(a_measurement_keeps_the_warm_up_and_marks_outliers)
     measure_machine machine = {.context = &f, .launch = launch_fake, .hash = RIGHT};
     duet_plan plan = {.share = 16384, .variant_a = "auto", .variant_b = "auto"};
     measurement m = measure_plan(&machine, &plan, (measure_way){.repeats = 20});
-    assert_string_equal(m.outcome, "ok");
+    assert_string_equal(m.row.outcome, "ok");
     assert_int_equal(m.n_samples, 21);
     assert_int_equal(m.samples[0].flags, PROFILE_SAMPLE_WARM_UP);
     uint32_t marked = 0;
     for (uint32_t i = 1; i < m.n_samples; ++i)
         marked += m.samples[i].flags == PROFILE_SAMPLE_OUTLIER;
-    assert_int_equal(marked, m.outliers);
-    assert_true(m.outliers > 0);
-    assert_true(m.low_ns <= m.median_ns && m.median_ns <= m.high_ns);
-    assert_true((double)m.samples[m.typical].total_ns <= m.median_ns);
+    assert_int_equal(marked, m.row.outliers);
+    assert_true(m.row.outliers > 0);
+    assert_true(m.row.low_ns <= m.row.median_ns && m.row.median_ns <= m.row.high_ns);
+    assert_true((double)m.samples[m.typical].total_ns <= m.row.median_ns);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tuner/tune_config.h"
+#include "cli/tune_config.h"
 
 #include "base/text_file.h"
 #include "gen/field.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A tune.lua: what to tune, and how. docs/tuning.md lists the fields.
-#ifndef TUNER_TUNE_CONFIG_H
-#define TUNER_TUNE_CONFIG_H
+#ifndef CLI_TUNE_CONFIG_H
+#define CLI_TUNE_CONFIG_H
 
 #include "base/text.h"
 #include "gen/script.h"
