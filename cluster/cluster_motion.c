@@ -110,8 +110,7 @@ bool duet_cluster_save_motion(duet_cluster *c, const char *path, duet_error *err
 
 // ---------------------------------------------------------------- commands
 
-// Only rank 0's arguments count.
-static bool give(duet_cluster *c, command *k, duet_error *err)
+bool cluster_give(duet_cluster *c, command *k, duet_error *err)
 {
     PUBLIC_CALL(err);
     duet_error own = {0};
@@ -128,9 +127,9 @@ static bool give(duet_cluster *c, command *k, duet_error *err)
     return given == COMMAND_DONE || error_copy(err, &own);
 }
 
-#define GIVE(number, ...)                                                          \
-    {                                                                              \
-        return give(c, &(command){.op = command_op_at(number), __VA_ARGS__}, err); \
+#define GIVE(number, ...)                                                                  \
+    {                                                                                      \
+        return cluster_give(c, &(command){.op = command_op_at(number), __VA_ARGS__}, err); \
     }
 #define CALL(name) duet_cluster_##name
 #define SUBJECT duet_cluster *c

@@ -24,7 +24,7 @@ set(duet_module_objects "${objects}")
 set(duet_cluster_needs MPI::MPI_C)
 
 add_executable(duet-cluster cli/cluster/main.c cli/cluster/rank.c cli/cluster/rank_motion.c
-  cli/cluster/rank_frames.c cli/cluster/rank_tune.c cli/cluster/rank_picture.c cli/cluster/rank_check.c
+  cli/cluster/rank_frames.c cli/cluster/rank_tune.c cli/cluster/rank_picture.c cli/cluster/rank_check.c cli/cluster/rank_replay.c
   $<TARGET_OBJECTS:duet_cli> $<TARGET_OBJECTS:duet_cluster> ${duet_objects})
 target_link_libraries(duet-cluster PRIVATE duet_cli duet_cluster duet_options ${duet_cluster_needs})
 add_dependencies(duet duet-cluster)

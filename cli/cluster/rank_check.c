@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "cli/difference.h"
 
-static bool begin_one(rank_check *c, const moving_start *start, duet_error *err)
+static bool begin_one(rank_check *c, const moving_start *start, const char *replay, duet_error *err)
 {
     duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, err);
     if (!scene)
@@ -12,14 +12,17 @@ static bool begin_one(rank_check *c, const moving_start *start, duet_error *err)
     const duet_motion_def def = duet_scene_motion_def(scene, start->pair);
     c->one = duet_motion_create_from_scene(&def, scene, NULL, err);
     duet_scene_destroy(scene);
-    return c->one && (!start->resume || duet_motion_load(c->one, start->resume, err));
+    if (!c->one || (start->resume && !duet_motion_load(c->one, start->resume, err)))
+        return false;
+    c->replay = replay ? duet_replay_create(replay, err) : NULL;
+    return c->replay || !replay;
 }
 
 bool rank_check_begin(rank_check *c, ranks *r, moving *motion, const moving_start *start,
-                      duet_error *err)
+                      const char *replay, duet_error *err)
 {
     *c = (rank_check){.ranks = r, .motion = motion};
-    return ranks_agree(r, r->self > 0 || begin_one(c, start, err), err);
+    return ranks_agree(r, r->self > 0 || begin_one(c, start, replay, err), err);
 }
 
 // ---------------------------------------------------------------- what differs
@@ -54,12 +57,17 @@ static bool name_difference(const rank_check *c, bool is_start, duet_error *own)
     return ok && ranks_agree(c->ranks, is_well(own), own);
 }
 
+static bool advance(const rank_check *c, duet_error *own)
+{
+    duet_motion_result last;
+    return c->replay ? duet_replay_advance(c->replay, c->one, &last, own)
+                     : duet_motion_advance(c->one, &last, own);
+}
+
 // Moves the one motion as far as the other.
 static bool follow(const rank_check *c, uint64_t *hash, duet_error *own)
 {
-    duet_motion_result last;
-    if (duet_motion_get_step(c->one) < moving_get_counts(c->motion).step &&
-        !duet_motion_advance(c->one, &last, own))
+    if (duet_motion_get_step(c->one) < moving_get_counts(c->motion).step && !advance(c, own))
         return false;
     return duet_motion_get_hash(c->one, hash, own);
 }
@@ -88,4 +96,5 @@ bool rank_check_compare(rank_check *c, duet_error *err)
 void rank_check_end(rank_check *c)
 {
     duet_motion_destroy(c->one);
+    duet_replay_destroy(c->replay);
 }

@@ -5,16 +5,19 @@
 #define CLI_CLUSTER_RANK_CHECK_H
 
 #include "cluster/moving.h"
+#include "runtime/duet_replay.h"
 
 typedef struct rank_check {
     ranks *ranks;
-    moving *motion;   // NULL: nothing is compared
-    duet_motion *one; // rank 0's
+    moving *motion;      // NULL: nothing is compared
+    duet_motion *one;    // rank 0's, as is
+    duet_replay *replay; // what it is given, too; NULL: nothing
 } rank_check;
 
-// The motion has begun as `start` says. Collective. Call rank_check_end whatever this returns.
+// The motion has begun as `start` says, and both are given what was recorded in a file; NULL: in
+// none. Collective. Call rank_check_end whatever this returns.
 bool rank_check_begin(rank_check *c, ranks *r, moving *motion, const moving_start *start,
-                      duet_error *err);
+                      const char *replay, duet_error *err);
 
 // Compares the states, after the step that both made unless the motion has just begun. Fails with
 // WRONG_RESULT, and a line that says what differs first. Collective.

@@ -4,6 +4,7 @@
 #include "cli/cluster/rank_check.h"
 #include "cli/cluster/rank_frames.h"
 #include "cli/cluster/rank_picture.h"
+#include "cli/cluster/rank_replay.h"
 #include "cli/cluster/rank_tune.h"
 
 #include "base/budget.h"
@@ -27,6 +28,7 @@ typedef struct moved {
     rank_picture pictures;
     rank_check check;
     rank_tune tune;
+    rank_replay replay;
     duet_grade grade; // that the store gives what it knows of the ranks
     duet_cluster_motion_result last;
     double all_ms;
@@ -85,7 +87,8 @@ static bool begin_beside(moved *r, const moving_start *start, duet_error *err)
     ranks *all = &r->cluster->ranks;
     moving *motion = r->cluster->moving;
     return rank_picture_begin(&r->pictures, all, motion, start, err) &&
-           (!r->args->check || rank_check_begin(&r->check, all, motion, start, err));
+           (!r->args->check ||
+            rank_check_begin(&r->check, all, motion, start, r->args->replay, err));
 }
 
 static bool begin(moved *r, duet_error *err)
@@ -100,7 +103,8 @@ static bool begin(moved *r, duet_error *err)
                                 .pair = r->cluster->def.world.pair};
     ok = ranks_agree(&r->cluster->ranks, ok, err) &&
          duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume, err) &&
-         take_begin(r, resume, err) && choose_ghosts(r, err) && begin_beside(r, &start, err);
+         take_begin(r, resume, err) && choose_ghosts(r, err) && begin_beside(r, &start, err) &&
+         rank_replay_begin(&r->replay, r->cluster, r->args->replay, r->args->steps, err);
     inputs_free_settings(&settings);
     return ok;
 }
@@ -138,7 +142,8 @@ static bool run_steps(moved *r, duet_error *err)
     ok = rank_check_compare(&r->check, err) && add_frames(r, err) &&
          rank_picture_draw(&r->pictures, r->last.step, err);
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
-        ok = rank_tune_before(&r->tune, err) && duet_cluster_advance(r->cluster, &r->last, err);
+        ok = rank_replay_before(&r->replay, err) && rank_tune_before(&r->tune, err) &&
+             duet_cluster_advance(r->cluster, &r->last, err);
         rank_tune_after(&r->tune, r->last.total_ms);
         r->all_ms += r->last.total_ms;
         r->slowest_ms += r->last.slowest_ms;
@@ -148,7 +153,8 @@ static bool run_steps(moved *r, duet_error *err)
         if (ok)
             ranks_sum(&r->cluster->ranks, &stops, 1);
         r->is_stopped = stops > 0;
-        ok = ok && rank_check_compare(&r->check, err) && add_frames(r, err) &&
+        ok = ok && rank_replay_after(&r->replay, err) && rank_check_compare(&r->check, err) &&
+             rank_replay_compare(&r->replay, err) && add_frames(r, err) &&
              save(r, r->is_stopped || r->last.step == r->args->steps, err);
         if (tells)
             show_step(r, &p);
@@ -214,5 +220,6 @@ bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const
     rank_frames_end(&r.frames);
     rank_picture_end(&r.pictures);
     rank_check_end(&r.check);
+    rank_replay_end(&r.replay);
     return ok;
 }

@@ -15,6 +15,7 @@ typedef struct cluster_arguments {
     const char *hosts;   // to start ranks on; NULL: this machine
     const char *pairs_path;
     const char *checkpoint, *resume; // files of a motion
+    const char *replay;              // recorded commands; NULL: none
     const char *picture;             // a file; NULL: none
     const char *frames;              // a folder; NULL: none
     const char *format;              // that frames have

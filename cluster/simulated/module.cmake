@@ -29,7 +29,7 @@ set(duet_arrows "${arrows}")
 set(duet_module_objects "${objects}")
 
 add_executable(duet-simulate cli/cluster/simulate.c cli/cluster/rank.c cli/cluster/rank_motion.c
-  cli/cluster/rank_frames.c cli/cluster/rank_tune.c cli/cluster/rank_picture.c cli/cluster/rank_check.c
+  cli/cluster/rank_frames.c cli/cluster/rank_tune.c cli/cluster/rank_picture.c cli/cluster/rank_check.c cli/cluster/rank_replay.c
   $<TARGET_OBJECTS:duet_cli> $<TARGET_OBJECTS:duet_simulated> ${duet_objects})
 target_link_libraries(duet-simulate PRIVATE duet_cli duet_simulated duet_options)
 add_dependencies(duet duet-simulate)

@@ -152,31 +152,35 @@ static duet_body *bodies_of(const char *from, uint32_t n)
     return bodies;
 }
 
-// Gives the motion copies of a record's ids, rows and bodies, so that all lies as it must.
-static bool give(const recorded *r, const char *from, duet_motion *m, duet_error *err)
+// Copies a record's ids, rows and bodies, so that all lies as it must.
+static bool copy_record(const recorded *record, const char *from, const duet_motion_def *def,
+                        replayed *r, duet_error *err)
 {
-    const command_op *op = command_op_at(r->kind);
+    const command_op *op = command_op_at(record->kind);
     const recorded_sizes each = recorded_sizes_of(op);
-    uint64_t *ids = copy_of(&from, r->n * each.ids);
-    void *rows = copy_of(&from, r->n * each.row);
-    duet_body *bodies = each.body > 0 ? bodies_of(from, r->n) : NULL;
-    duet_motion_def def = *duet_motion_get_def(m);
-    command c = {.op = op,
-                 .list = {.ids = ids, .n = r->n},
-                 .fields = r->fields,
-                 .rows = each.row > 0 ? rows : bodies,
-                 .new_bodies = bodies};
-    bool ok = ids && rows && (bodies || each.body == 0);
-    if (ok && op->form == COMMAND_DEF) {
-        packed_to_def(rows, &def);
-        c.rows = &def;
-    }
-    ok = ok ? command_give(m, &c, err)
-            : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u recorded bodies", r->n);
-    free(ids);
-    free(rows);
-    free(bodies);
-    return ok;
+    r->ids = copy_of(&from, record->n * each.ids);
+    r->rows = copy_of(&from, record->n * each.row);
+    r->bodies = each.body > 0 ? bodies_of(from, record->n) : NULL;
+    r->c = (command){.op = op,
+                     .list = {.ids = r->ids, .n = record->n},
+                     .fields = record->fields,
+                     .rows = each.row > 0 ? r->rows : r->bodies,
+                     .new_bodies = r->bodies};
+    if (!r->ids || !r->rows || (!r->bodies && each.body > 0))
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u recorded bodies", record->n);
+    if (op->form != COMMAND_DEF)
+        return true;
+    r->def = *def;
+    packed_to_def(r->rows, &r->def);
+    r->c.rows = &r->def;
+    return true;
+}
+
+void replayed_free(replayed *r)
+{
+    free(r->ids);
+    free(r->rows);
+    free(r->bodies);
 }
 
 static bool is_refusal(duet_status status)
@@ -184,40 +188,52 @@ static bool is_refusal(duet_status status)
     return status == DUET_STATUS_BAD_ARGUMENT || status == DUET_STATUS_BAD_OBJECT;
 }
 
-static bool give_next(duet_replay *p, const recorded *r, duet_motion *m, duet_error *err)
+bool replay_blame(const char *path, uint64_t number, uint64_t n, const duet_error *why,
+                  duet_error *err)
 {
-    duet_error why = {0};
-    const char *from = p->file.chars + p->at;
-    p->at += size_of(r);
-    ++p->commands_done;
-    if (give(r, from, m, &why))
+    duet_status status = is_refusal(why->status) ? DUET_STATUS_BAD_INPUT : why->status;
+    return error_set(err, status, "%s: command %" PRIu64 " of %" PRIu64 ": %s", path, number, n,
+                     why->text);
+}
+
+bool replay_take(duet_replay *p, const duet_motion_def *def, replayed *r, duet_error *err)
+{
+    recorded head;
+    *r = (replayed){0};
+    if (p->steps_left > 0 || p->at == p->end)
         return true;
-    duet_status status = is_refusal(why.status) ? DUET_STATUS_BAD_INPUT : why.status;
-    return error_set(err, status, "%s: command %" PRIu64 " of %" PRIu64 ": %s", p->path,
-                     p->commands_done, p->info.commands, why.text);
+    memcpy(&head, p->file.chars + p->at, sizeof head);
+    const char *from = p->file.chars + p->at + sizeof head;
+    p->at += sizeof head + size_of(&head);
+    if (head.kind == RECORDED_STEPS) {
+        p->steps_left = head.n;
+        return true;
+    }
+    ++p->commands_done;
+    return copy_record(&head, from, def, r, err);
 }
 
 // Gives commands up to the next step; steps_left is 0 if there is none.
 static bool give_commands(duet_replay *p, duet_motion *m, duet_error *err)
 {
-    bool ok = true;
-    while (ok && p->steps_left == 0 && p->at < p->end) {
-        recorded head;
-        memcpy(&head, p->file.chars + p->at, sizeof head);
-        p->at += sizeof head;
-        if (head.kind == RECORDED_STEPS)
-            p->steps_left = head.n;
-        else
-            ok = give_next(p, &head, m, err);
+    bool ok = true, given = true;
+    while (ok && given) {
+        duet_error why = {0};
+        replayed r;
+        ok = replay_take(p, duet_motion_get_def(m), &r, &why);
+        given = ok && r.c.op;
+        ok = ok && (!given || command_give(m, &r.c, &why));
+        if (!ok)
+            replay_blame(p->path, p->commands_done, p->info.commands, &why, err);
+        replayed_free(&r);
     }
     return ok;
 }
 
 // ---------------------------------------------------------------- steps
 
-static bool check_ground(const duet_replay *p, const duet_motion *m, duet_error *err)
+static bool check_ground(const duet_replay *p, uint64_t sum, duet_error *err)
 {
-    uint64_t sum = recorded_ground_sum(m);
     return p->ground == sum ||
            error_set(err, DUET_STATUS_BAD_INPUT, "%s: recorded on %s; the motion has %s", p->path,
                      p->ground ? "a ground" : "no ground",
@@ -226,34 +242,51 @@ static bool check_ground(const duet_replay *p, const duet_motion *m, duet_error 
                                  : "one");
 }
 
-static bool check_begin(duet_replay *p, duet_motion *m, duet_error *err)
+bool replay_check_begin(const duet_replay *p, const replay_begin *b, duet_error *err)
 {
-    uint64_t hash;
-    if (p->begun)
-        return true;
-    if (!duet_motion_get_hash(m, &hash, err))
+    const recording_head *head = &p->head;
+    if (!check_ground(p, b->ground, err))
         return false;
-    if (!check_ground(p, m, err))
-        return false;
-    p->begun = duet_motion_get_count(m) == p->head.n && m->step == p->head.step &&
-               hash == p->head.hash && duet_motion_get_def(m)->dims == p->head.dims;
-    return p->begun ||
+    return (b->n == head->n && b->step == head->step && b->hash == head->hash &&
+            b->dims == head->dims) ||
            error_set(err, DUET_STATUS_BAD_INPUT,
                      "%s: recorded from step %" PRIu64 ", %u places and the state hash %016" PRIx64
                      "; the motion is at step %" PRIu64 " with %u places and %016" PRIx64,
-                     p->path, p->head.step, p->head.n, p->head.hash, m->step,
-                     duet_motion_get_count(m), hash);
+                     p->path, head->step, head->n, head->hash, b->step, b->n, b->hash);
 }
 
-static bool check_end(const duet_replay *p, duet_motion *m, duet_error *err)
+static bool check_begin(duet_replay *p, duet_motion *m, duet_error *err)
+{
+    if (p->begun)
+        return true;
+    replay_begin b = {.n = duet_motion_get_count(m),
+                      .dims = duet_motion_get_def(m)->dims,
+                      .step = m->step,
+                      .ground = recorded_ground_sum(m)};
+    p->begun = duet_motion_get_hash(m, &b.hash, err) && replay_check_begin(p, &b, err);
+    return p->begun;
+}
+
+bool replay_note_step(duet_replay *p)
+{
+    --p->steps_left;
+    return ++p->info.steps_done == p->info.steps;
+}
+
+bool replay_check_end(const duet_replay *p, uint64_t hash, duet_error *err)
+{
+    return hash == p->end_hash ||
+           error_set(err, DUET_STATUS_WRONG_RESULT,
+                     "%s: the state hash is %016" PRIx64 " at the end; expected the recorded "
+                     "%016" PRIx64,
+                     p->path, hash, p->end_hash);
+}
+
+static bool end(duet_replay *p, duet_motion *m, duet_error *err)
 {
     uint64_t hash;
-    return duet_motion_get_hash(m, &hash, err) &&
-           (hash == p->end_hash ||
-            error_set(err, DUET_STATUS_WRONG_RESULT,
-                      "%s: the state hash is %016" PRIx64 " at the end; expected the recorded "
-                      "%016" PRIx64,
-                      p->path, hash, p->end_hash));
+    return give_commands(p, m, err) && duet_motion_get_hash(m, &hash, err) &&
+           replay_check_end(p, hash, err);
 }
 
 bool replay_give(duet_replay *p, duet_motion *m, bool *given, duet_error *err)
@@ -277,7 +310,5 @@ bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *res
     if (!check_begin(p, m, err) || !give_commands(p, m, err) ||
         !duet_motion_advance(m, result, err))
         return false;
-    --p->steps_left;
-    ++p->info.steps_done;
-    return p->info.steps_done < p->info.steps || (give_commands(p, m, err) && check_end(p, m, err));
+    return !replay_note_step(p) || end(p, m, err);
 }

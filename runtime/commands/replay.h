@@ -1,12 +1,44 @@
 // SPDX-License-Identifier: MIT
-// A replay in two halves, for callers that look at the state between commands and step.
+// A replay in parts, for callers that look at the state between commands and step, and for a motion
+// that is more than a duet_motion.
 #ifndef RUNTIME_REPLAY_H
 #define RUNTIME_REPLAY_H
 
+#include "runtime/commands/command.h"
 #include "runtime/duet_replay.h"
 
 // Gives the motion the commands that come before the next step, once: duet_replay_advance then
 // steps alone. Fails as that does. *given: some came with this call.
 bool replay_give(duet_replay *replay, duet_motion *motion, bool *given, duet_error *err);
+
+// What a motion must be as its recording begins: places, and the sum of its ground (recording.h).
+typedef struct replay_begin {
+    uint32_t n, dims;
+    uint64_t step, hash, ground;
+} replay_begin;
+bool replay_check_begin(const duet_replay *replay, const replay_begin *begin, duet_error *err);
+
+// A recorded command, in memory of its own.
+typedef struct replayed {
+    command c;
+    duet_motion_def def;
+    uint64_t *ids;
+    void *rows;
+    duet_body *bodies;
+} replayed;
+
+// Takes the next command that comes before the next step, for a motion of that def; c.op NULL:
+// there is none. Free it whatever this returns.
+bool replay_take(duet_replay *replay, const duet_motion_def *def, replayed *r, duet_error *err);
+void replayed_free(replayed *r);
+
+// Says which recorded command failed, from 1 on; returns false.
+bool replay_blame(const char *path, uint64_t number, uint64_t n, const duet_error *why,
+                  duet_error *err);
+
+// Notes a step that was made; returns whether it was the last. After the commands that then follow
+// the state's hash is the recorded one, or this fails with WRONG_RESULT.
+bool replay_note_step(duet_replay *replay);
+bool replay_check_end(const duet_replay *replay, uint64_t hash, duet_error *err);
 
 #endif

@@ -148,6 +148,66 @@ TEST(the_first_step_stage_and_body_that_differ_from_one_motion_are_named)
     assert_true(step > 0 && step == first);
 }
 
+// ---------------------------------------------------------------- recorded commands
+
+// Commands of every form, the last ones after the last step.
+static void record_commands(void)
+{
+    static const char script[] =
+        "local duet = require 'duet'\n"
+        "local pair <close> = assert(duet.device_pair())\n"
+        "local scene <close> = assert(duet.scene 'rough.lua')\n"
+        "local motion <close> = assert(pair:motion(scene))\n"
+        "local all <const> = 0xffffffff\n"
+        "local ball <const> = { { 0, 0, -3, 0, 0, 0, 3, 0, 0.5, all, all, 0, false, false } }\n"
+        "assert(motion:record())\n"
+        "for k = 1, 20 do\n"
+        "  if k == 3 then assert(motion:remove_bodies { 4 }) end\n"
+        "  if k % 5 == 4 then assert(motion:add_bodies({ { k / 4, 1, 6, 0.3, 0.3, 0.3, 0, 0, 0, 1 "
+        "} }, ball)) end\n"
+        "  if k == 8 then assert(motion:set_targets({ 7 }, { { 1, 1, 3, 0, 0, 0, 1 } })) end\n"
+        "  if k == 9 then assert(motion:set_user_data({ 8 }, { 42 })) end\n"
+        "  assert(motion:advance())\n"
+        "end\n"
+        "assert(motion:remove_bodies { 9 })\n"
+        "assert(motion:save_recording 'told.replay')\n";
+    must(text_write_file("tell.lua", script, sizeof script - 1, ERR));
+    program_run("lua --trust tell.lua");
+}
+
+TEST(recorded_commands_are_given_to_ranks)
+{
+    skip_without_mpi();
+    write_sliding("rough.lua", 0.5);
+    record_commands();
+    program one = program_run("run rough.lua --steps 20 --replay told.replay --json");
+    for (int ranks = 2; ranks <= 3; ++ranks) {
+        program p = program_run(
+            "cluster rough.lua --steps 20 --replay told.replay --check --ranks %d --json", ranks);
+        cJSON *told = json_of_program(&p);
+        assert_true(cJSON_IsTrue(cJSON_GetObjectItem(told, "equal")));
+        assert_string_equal(json_string(told, "hash"), json_string(json_of_program(&one), "hash"));
+    }
+    program_assert_refused(
+        program_run("cluster rough.lua --steps 21 --replay told.replay --ranks 2"), 1,
+        "--steps 21: told.replay has 20 recorded steps");
+}
+
+// Friction is in no state, so the motions begin alike.
+TEST(another_state_than_the_recorded_one_is_told_by_ranks)
+{
+    skip_without_mpi();
+    write_sliding("rough.lua", 0.5);
+    write_sliding("smooth.lua", 0.4);
+    program_run("run rough.lua --steps 20 --record rough.replay");
+    program_assert_refused(
+        program_run("cluster smooth.lua --steps 20 --replay rough.replay --ranks 2"), 1,
+        "rough.replay: the state hash is ");
+    program_assert_refused(
+        program_run("cluster falling -n 27 --steps 20 --replay rough.replay --ranks 2"), 1,
+        "rough.replay: recorded from step 0, 27 places and the state hash ");
+}
+
 // ---------------------------------------------------------------- how often ghosts come
 
 static cJSON *move(const char *variables, const char *arguments)
