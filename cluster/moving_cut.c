@@ -11,8 +11,8 @@
 enum { SAMPLE_A_DOMAIN = 1 << 13, LEAST_STEPS = 16, FEW_BODIES = 16 };
 
 // Far more work than the mean is not waited with. Else as much must be lost as a cut and the
-// exchange after it take, which is about what some steps do.
-static const double most_imbalance = 1.2, price_steps = 4.0;
+// exchange after it take, which is less than a step.
+static const double most_imbalance = 1.2, price_steps = 1.0;
 
 bool moving_cut_is_due(const moving *m)
 {

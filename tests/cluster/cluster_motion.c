@@ -25,6 +25,7 @@
 #define APART "cluster_motion_apart.lua"
 #define GIANT "cluster_motion_giant.lua"
 #define MESH "cluster_motion_mesh.lua"
+#define UNEQUAL "cluster_motion_unequal.lua"
 
 typedef struct moving_scene {
     const char *path;
@@ -934,6 +935,48 @@ static void rows_move_with_their_bodies(void)
     duet_cluster_destroy(cluster);
 }
 
+// ---------------------------------------------------------------- balance
+
+// How much more the rank with the most work has than the mean one, as ranks weigh bodies and ends.
+static double imbalance_of(const duet_cluster *c)
+{
+    const moving_domain *d = &c->moving->domains[0];
+    const double ends = 2.0 * d->motion->solver.n_pushing;
+    double most = work_of(&c->moving->balance.model, d->n_own, ends), sum = most;
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, c->ranks.comm);
+    MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, c->ranks.comm);
+    return most * c->ranks.n / sum;
+}
+
+// Half of the bodies are a pile, and half of them touch nothing: equal numbers are unequal work.
+static void ranks_have_alike_much_to_do(void)
+{
+    const moving_scene s = {UNEQUAL, {{0}}, 0, 60, 900, 0};
+    duet_cluster_motion_result result;
+    double first = 0, mean = 0;
+    job_write(UNEQUAL,
+              "for i = 0, 511 do\n"
+              "  add { centre = { i % 8, i // 8 % 8, 0.45 + 0.9 * (i // 64) },\n"
+              "        half_extents = { 0.5, 0.5, 0.45 } }\n"
+              "  add { centre = { 40 + 3 * (i % 8), 3 * (i // 8 % 8), 200 + 3 * (i // 64) },\n"
+              "        half_extents = { 0.5, 0.5, 0.45 } }\n"
+              "end\n"
+              "return { dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+              "         world = { lower = { -1, -1, 0 }, upper = { 90, 40, 300 } },\n"
+              "         wants = { 'contact_response' } }\n");
+    duet_cluster *cluster = begin_on(4, def_of(1, 1), &s);
+    for (uint32_t i = 0; cluster && i < s.steps; ++i) {
+        must(duet_cluster_advance(cluster, &result, ERR));
+        const double now = imbalance_of(cluster);
+        first = i == 0 ? now : first;
+        mean += now / s.steps;
+    }
+    MUST(!cluster || result.contacts >= s.least_contacts, "a pile");
+    MUST(!cluster || (first > 1.5 && mean < 1.2), "borders follow the work");
+    duet_cluster_destroy(cluster);
+    job_remove(UNEQUAL);
+}
+
 // ---------------------------------------------------------------- what an exchange reads
 
 // The home of each body, and how many own bodies have bounds that leave their domain's box.
@@ -1076,6 +1119,7 @@ int main(int argc, char **argv)
     borders_change_nothing(seed);
     colours_between_change_nothing(seed);
     borders_follow_bodies();
+    ranks_have_alike_much_to_do();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
     ghosts_come_once_a_sweep();

@@ -163,16 +163,16 @@ static void record_commands(void)
         "assert(motion:record())\n"
         "for k = 1, 20 do\n"
         "  if k == 3 then assert(motion:remove_bodies { 4 }) end\n"
-        "  if k % 5 == 4 then assert(motion:add_bodies({ { k / 4, 1, 6, 0.3, 0.3, 0.3, 0, 0, 0, 1 "
-        "} }, ball)) end\n"
-        "  if k == 8 then assert(motion:set_targets({ 7 }, { { 1, 1, 3, 0, 0, 0, 1 } })) end\n"
+        "  local pose <const> = { k / 4, 1, 6, 0.3, 0.3, 0.3, 0, 0, 0, 1 }\n"
+        "  if k % 5 == 4 then assert(motion:add_bodies({ pose }, ball)) end\n"
+        "  if k == 8 then assert(motion:set_poses({ 7 }, { pose })) end\n"
         "  if k == 9 then assert(motion:set_user_data({ 8 }, { 42 })) end\n"
         "  assert(motion:advance())\n"
         "end\n"
         "assert(motion:remove_bodies { 9 })\n"
         "assert(motion:save_recording 'told.replay')\n";
     must(text_write_file("tell.lua", script, sizeof script - 1, ERR));
-    program_run("lua --trust tell.lua");
+    assert_int_equal(program_run("lua --trust tell.lua").exit_code, 0);
 }
 
 TEST(recorded_commands_are_given_to_ranks)
