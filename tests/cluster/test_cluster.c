@@ -189,7 +189,7 @@ TEST(recorded_commands_are_given_to_ranks)
         assert_string_equal(json_string(told, "hash"), json_string(json_of_program(&one), "hash"));
     }
     program_assert_refused(
-        program_run("cluster rough.lua --steps 21 --replay told.replay --ranks 2"), 1,
+        program_run("cluster rough.lua --steps 21 --replay told.replay --ranks 2"), 2,
         "--steps 21: told.replay has 20 recorded steps");
 }
 
