@@ -257,7 +257,8 @@ static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own
     domain_splice(b, d->places, r->places, sizeof *r->places);
     moving_note_fixed(m, d, b->n);
     fill_contacts(m, d, r);
-    if (is_well(own) && domain_replace_bodies(d->motion, b, &r->contacts, own))
+    if (is_well(own) && domain_keep_far_boxes(d->motion, own) &&
+        domain_replace_bodies(d->motion, b, &r->contacts, own))
         wake(d, &r->waking, own);
 }
 

@@ -122,8 +122,8 @@ typedef struct domain_bodies {
 // Space is for those that there were as for those that there are.
 void domain_splice(const domain_bodies *b, void *rows, const void *fresh_rows, size_t row);
 
-// Replaces all bodies, and adds contacts that they had in the last step. With commands all are
-// fresh.
+// Far boxes are kept (domain_keep_far_boxes). Replaces all bodies, and adds contacts that they had
+// in the last step. With commands all are fresh.
 bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 

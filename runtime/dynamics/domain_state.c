@@ -402,8 +402,7 @@ bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_
     m->products = products_of_saved(false);
     altered_forget(&m->altered);
     motion_forget_events(&m->told);
-    return domain_keep_far_boxes(m, err) && own_bodies(m, b, err) &&
-           domain_take_commands(m, left_of(m, b->states), err) &&
+    return own_bodies(m, b, err) && domain_take_commands(m, left_of(m, b->states), err) &&
            domain_move_rows(m, lasting, N_LASTING, b->from, b->n + FIXED, err) &&
            grow_others(m, err) && write_all_fresh(m, b, err) &&
            domain_take_forces(m, left_of(m, b->states), err) &&
