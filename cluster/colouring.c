@@ -28,6 +28,8 @@ static uint64_t merge_equal(waiting_contact *contacts, uint64_t n)
         }
         last->owner_used |= contacts[i].owner_used;
         last->other_used |= contacts[i].other_used;
+        last->colour = last->colour == COLOUR_WAITS ? contacts[i].colour : last->colour;
+        last->is_decided_here |= contacts[i].is_decided_here;
     }
     return kept;
 }
@@ -58,6 +60,7 @@ uint32_t colouring_find(const waiting_contact *contacts, uint64_t n, uint32_t ow
 
 typedef struct end {
     uint32_t id, used;
+    bool waits; // a contact of greater rank has no colour yet
 } end;
 
 static int compare_ends(const void *left, const void *right)
@@ -70,9 +73,9 @@ static uint64_t list_ends(const waiting_contact *contacts, uint64_t n, end *ends
 {
     uint64_t all = 0, kept = 0;
     for (uint64_t i = 0; i < n; ++i) {
-        ends[all++] = (end){contacts[i].owner, contacts[i].owner_used};
+        ends[all++] = (end){contacts[i].owner, contacts[i].owner_used, false};
         if (contacts[i].other_moves)
-            ends[all++] = (end){contacts[i].other, contacts[i].other_used};
+            ends[all++] = (end){contacts[i].other, contacts[i].other_used, false};
     }
     qsort(ends, all, sizeof *ends, compare_ends);
     for (uint64_t i = 0; i < all; ++i)
@@ -127,13 +130,24 @@ static void take_colour(waiting_contact *c, end *ends, uint64_t n_ends)
 {
     end *owner = find_end(ends, n_ends, c->owner);
     end *other = c->other_moves ? find_end(ends, n_ends, c->other) : owner;
-    c->colour = least_free(owner->used | other->used);
+    if (c->colour == COLOUR_WAITS && c->is_decided_here && !owner->waits && !other->waits)
+        c->colour = least_free(owner->used | other->used);
     uint32_t bit = c->colour < COLOUR_OVERFLOW ? 1u << c->colour : 0;
     owner->used |= bit;
     other->used |= bit;
+    owner->waits |= c->colour == COLOUR_WAITS;
+    other->waits |= c->colour == COLOUR_WAITS;
 }
 
-bool colouring_run(waiting_contact *contacts, uint64_t *n, duet_error *err)
+static uint64_t count_left(const waiting_contact *contacts, uint64_t n)
+{
+    uint64_t left = 0;
+    for (uint64_t i = 0; i < n; ++i)
+        left += contacts[i].is_decided_here && contacts[i].colour == COLOUR_WAITS;
+    return left;
+}
+
+bool colouring_run(waiting_contact *contacts, uint64_t *n, uint64_t *n_left, duet_error *err)
 {
     *n = colouring_sort(contacts, *n);
     end *ends = malloc(2 * *n * sizeof *ends + 1);
@@ -146,6 +160,7 @@ bool colouring_run(waiting_contact *contacts, uint64_t *n, duet_error *err)
         qsort(turns, *n, sizeof *turns, compare_turns);
     for (uint64_t i = 0; ok && i < *n; ++i)
         take_colour(turns[i].contact, ends, n_ends);
+    *n_left = count_left(contacts, *n);
     free(ends);
     free(turns);
     return ok || error_set(err, DUET_STATUS_NO_MEMORY,

@@ -16,15 +16,18 @@ typedef struct waiting_contact {
     uint32_t owner, other;           // ids; the owner moves
     uint32_t other_moves;            // 1, or 0
     uint32_t owner_used, other_used; // a bit for each colour that the end's contacts have
-    uint32_t colour;                 // that it gets
+    uint32_t colour;                 // COLOUR_WAITS until it has one
+    uint32_t is_decided_here;        // 1: all that waits of an end is known here; else 0
 } waiting_contact;
 
 // Sorts n contacts by owner and other, and merges those that two domains know. Returns how many
 // there are.
 uint64_t colouring_sort(waiting_contact *contacts, uint64_t n);
 
-// Sorts them, and gives them colours; *n becomes how many there are.
-bool colouring_run(waiting_contact *contacts, uint64_t *n, duet_error *err);
+// Sorts them, and gives a colour to each that is decided here once all of greater rank which share
+// an end with it have one; *n becomes how many there are, and *n_left how many that are decided
+// here still wait.
+bool colouring_run(waiting_contact *contacts, uint64_t *n, uint64_t *n_left, duet_error *err);
 
 // Returns the place of a contact among sorted ones; n: it is not there.
 uint64_t colouring_place(const waiting_contact *contacts, uint64_t n, uint32_t owner,

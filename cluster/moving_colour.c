@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Colours over all domains: each finds those that its own contacts decide. The others wait, all
-// ranks learn of all that wait, and each gives them the same colours.
+// Colours over all domains: each finds those that its own contacts decide. The others wait, and
+// ranks colour them together (waiting.h).
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
-#include "cluster/colouring.h"
+#include "cluster/waiting.h"
 
 #include <inttypes.h>
-
-typedef LIST_OF(waiting_contact, contacts) waiting_list;
 
 // ---------------------------------------------------------------- one domain
 
@@ -88,7 +86,9 @@ static void list_waiting(const moving *m, const moving_domain *d, waiting_list *
                                      .other = moving_id(m, d, ends[1]),
                                      .other_moves = (d->places[ends[1]].kind & PLACE_MOVES) != 0,
                                      .owner_used = used_of(d, ends[0]),
-                                     .other_used = used_of(d, ends[1])};
+                                     .other_used = used_of(d, ends[1]),
+                                     .colour = COLOUR_WAITS,
+                                     .is_decided_here = 1};
         if (moving_decides_contact(d, ends))
             list_add(&waiting->list, &one, 1, sizeof one);
     }
@@ -242,17 +242,12 @@ static bool give_colours(moving *m, duet_error *own)
 bool moving_colour(moving *m, duet_error *own)
 {
     waiting_list waiting = {0};
-    parcels all = {0};
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         wait_for_colours(m, &m->domains[k], &waiting, own);
-    bool ok = tell_all(m, &waiting, &all, own);
-    uint64_t n = all.n;
-    if (ok && is_well(own))
-        colouring_run(all.rows, &n, own);
+    bool ok = waiting_colour(m, &waiting, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
-        take_colours(m, &m->domains[k], all.rows, n);
+        take_colours(m, &m->domains[k], waiting.contacts, waiting.n);
     ok = ok && give_colours(m, own);
     free(waiting.contacts);
-    parcels_end(&all);
     return ok;
 }

@@ -616,19 +616,20 @@ static void colours_follow_from_ids(uint64_t seed)
 {
     rng r = rng_seed(seed);
     waiting_contact once[MOST_CONTACTS], twice[2 * MOST_CONTACTS];
-    uint64_t n = 0, m = 0;
+    uint64_t n = 0, m = 0, left;
     for (uint32_t a = 0; a < MOST_BODIES; ++a)
         for (uint32_t b = a + 1; b < MOST_BODIES && n < MOST_CONTACTS; ++b)
             if (rng_below(&r, 6) == 0)
-                once[n++] = (waiting_contact){a, b, b % 7 != 0, 1u << a % 5, 1u << b % 5, 0};
+                once[n++] =
+                    (waiting_contact){a, b, b % 7 != 0, 1u << a % 5, 1u << b % 5, COLOUR_WAITS, 1};
     for (uint64_t i = n; i-- > 0;) {
         twice[m] = once[i];
         twice[m++].owner_used = 0;
         twice[m] = once[i];
         twice[m++].other_used = 0;
     }
-    must(colouring_run(once, &n, ERR));
-    must(colouring_run(twice, &m, ERR));
+    must(colouring_run(once, &n, &left, ERR) && left == 0);
+    must(colouring_run(twice, &m, &left, ERR) && left == 0);
     MUST(m == n, "contacts that two domains know are one");
     MUST(memcmp(once, twice, n * sizeof *once) == 0, "other colours");
     MUST(are_apart(once, n), "two contacts of a body have one colour");
@@ -638,6 +639,97 @@ static void colours_follow_from_ids(uint64_t seed)
         MUST(colouring_find(once, n, once[i].owner, once[i].other) == once[i].colour, "found");
     }
     MUST(colouring_find(once, n, MOST_BODIES, 0) == COLOUR_NONE, "no such contact");
+}
+
+enum { HOMES = 4 };
+
+// What a home knows: the contacts of its own bodies, and those of the bodies that these touch.
+typedef struct home_contacts {
+    waiting_contact contacts[5 * MOST_CONTACTS];
+    uint64_t n, n_left;
+} home_contacts;
+
+static bool has_body(const waiting_contact *all, uint64_t n, const uint32_t *home, uint32_t k,
+                     uint32_t body)
+{
+    bool has = home[body] == k;
+    for (uint64_t i = 0; i < n && !has; ++i)
+        has = (all[i].owner == body && home[all[i].other] == k) ||
+              (all[i].other == body && all[i].other_moves && home[all[i].owner] == k);
+    return has;
+}
+
+static bool is_of(const waiting_contact *c, const uint32_t *home, uint32_t k)
+{
+    return home[c->owner] == k || (c->other_moves && home[c->other] == k);
+}
+
+// Tells each home what another one decides, as far as it has an end of it.
+static void tell_homes(const waiting_contact *all, uint64_t n, const uint32_t *home,
+                       home_contacts *homes)
+{
+    static home_contacts before[HOMES];
+    memcpy(before, homes, sizeof before);
+    for (uint32_t k = 0; k < HOMES; ++k)
+        for (uint32_t from = 0; from < HOMES; ++from)
+            for (uint64_t i = 0; from != k && i < n; ++i) {
+                const waiting_contact *c = &all[i];
+                uint64_t place =
+                    colouring_place(before[from].contacts, before[from].n, c->owner, c->other);
+                if (place == before[from].n || !before[from].contacts[place].is_decided_here ||
+                    !(has_body(all, n, home, k, c->owner) ||
+                      (c->other_moves && has_body(all, n, home, k, c->other))))
+                    continue;
+                waiting_contact told = before[from].contacts[place];
+                told.is_decided_here = 0;
+                MUST(homes[k].n < 5 * MOST_CONTACTS, "space");
+                homes[k].contacts[homes[k].n++] = told;
+            }
+}
+
+// Homes that know of no more than their bodies and the ones that these touch find the colours that
+// follow from all contacts, in some rounds.
+static void homes_colour_together(uint64_t seed)
+{
+    static home_contacts homes[HOMES];
+    rng r = rng_seed(seed);
+    waiting_contact all[MOST_CONTACTS];
+    uint32_t home[MOST_BODIES];
+    uint64_t n = 0, left = 1, rounds = 0;
+    for (uint32_t a = 0; a < MOST_BODIES; ++a)
+        home[a] = rng_below(&r, HOMES);
+    for (uint32_t a = 0; a < MOST_BODIES; ++a)
+        for (uint32_t b = a + 1; b < MOST_BODIES && n < MOST_CONTACTS; ++b)
+            if (rng_below(&r, 6) == 0)
+                all[n++] =
+                    (waiting_contact){a, b, b % 7 != 0, 1u << a % 5, 1u << b % 5, COLOUR_WAITS, 1};
+    for (uint32_t k = 0; k < HOMES; ++k) {
+        homes[k].n = 0;
+        for (uint64_t i = 0; i < n; ++i) {
+            if (!is_of(&all[i], home, k))
+                continue;
+            waiting_contact c = all[i];
+            c.owner_used = home[c.owner] == k ? c.owner_used : 0;
+            c.other_used = home[c.other] == k ? c.other_used : 0;
+            homes[k].contacts[homes[k].n++] = c;
+        }
+    }
+    for (; left > 0 && rounds < MOST_CONTACTS; ++rounds) {
+        tell_homes(all, n, home, homes);
+        left = 0;
+        for (uint32_t k = 0; k < HOMES; ++k) {
+            must(colouring_run(homes[k].contacts, &homes[k].n, &homes[k].n_left, ERR));
+            left += homes[k].n_left;
+        }
+    }
+    MUST(rounds > 1 && left == 0, "rounds end");
+    must(colouring_run(all, &n, &left, ERR));
+    for (uint32_t k = 0; k < HOMES; ++k)
+        for (uint64_t i = 0; i < homes[k].n; ++i) {
+            const waiting_contact *c = &homes[k].contacts[i];
+            MUST(!c->is_decided_here || colouring_find(all, n, c->owner, c->other) == c->colour,
+                 "a home finds the colours of all");
+        }
 }
 
 // ---------------------------------------------------------------- closures
@@ -977,6 +1069,29 @@ static void ranks_have_alike_much_to_do(void)
     job_remove(UNEQUAL);
 }
 
+// ---------------------------------------------------------------- who is told of what waits
+
+// Each contact goes to few of eight ranks, however many these are.
+static void what_waits_is_told_to_who_has_an_end(void)
+{
+    const moving_scene s = {"falling", {{"n", "600"}}, 1, 110, 900, 0};
+    const uint64_t hash = expected_hash(&s);
+    duet_cluster_motion_result result;
+    uint64_t found = 0, counts[2] = {0};
+    duet_cluster *cluster = begin_on(8, def_of(1, 1), &s);
+    for (uint32_t i = 0; cluster && i < s.steps; ++i)
+        must(duet_cluster_advance(cluster, &result, ERR));
+    if (!cluster)
+        return;
+    must(duet_cluster_get_state_hash(cluster, &found, ERR));
+    counts[0] = cluster->moving->counts.waited;
+    counts[1] = cluster->moving->counts.told;
+    ranks_sum(&cluster->ranks, counts, 2);
+    MUST(found == hash && result.contacts >= s.least_contacts, "one motion's pile");
+    MUST(counts[0] > 100 && counts[1] < 4 * counts[0], "seven are not told of all that waits");
+    duet_cluster_destroy(cluster);
+}
+
 // ---------------------------------------------------------------- what an exchange reads
 
 // The home of each body, and how many own bodies have bounds that leave their domain's box.
@@ -1105,6 +1220,7 @@ int main(int argc, char **argv)
     if (rank == 0) {
         bodies_far_from_borders_stay();
         colours_follow_from_ids(seed);
+        homes_colour_together(seed);
         closures_leave_nothing_wrong(seed);
         times_tell_what_contacts_cost(seed);
         parts_of_rows_come_and_go();
@@ -1120,6 +1236,7 @@ int main(int argc, char **argv)
     colours_between_change_nothing(seed);
     borders_follow_bodies();
     ranks_have_alike_much_to_do();
+    what_waits_is_told_to_who_has_an_end();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
     ghosts_come_once_a_sweep();

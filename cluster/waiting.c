@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+#include "cluster/waiting.h"
+
+#include "base/error.h"
+#include "cluster/moving_domains.h"
+
+#include <stdlib.h>
+
+// ---------------------------------------------------------------- whom contacts are told
+
+// An own body that is an end of a contact of the list.
+typedef struct waiting_end {
+    uint32_t id, contact;
+} waiting_end;
+
+typedef LIST_OF(waiting_end, ends) end_list;
+
+// A contact, by its ids, is told to a rank.
+typedef struct waiting_told {
+    uint32_t rank, owner, other;
+} waiting_told;
+
+typedef LIST_OF(waiting_told, rows) told_list;
+
+static int compare_words(const uint32_t *a, const uint32_t *b, int n)
+{
+    for (int k = 0; k < n; ++k)
+        if (a[k] != b[k])
+            return a[k] < b[k] ? -1 : 1;
+    return 0;
+}
+
+static int compare_ends(const void *left, const void *right)
+{
+    const waiting_end *a = left, *b = right;
+    return compare_words((const uint32_t[]){a->id, a->contact},
+                         (const uint32_t[]){b->id, b->contact}, 2);
+}
+
+static int compare_told(const void *left, const void *right)
+{
+    const waiting_told *a = left, *b = right;
+    return compare_words((const uint32_t[]){a->rank, a->owner, a->other},
+                         (const uint32_t[]){b->rank, b->owner, b->other}, 3);
+}
+
+static void list_ends(const waiting_list *known, end_list *list)
+{
+    for (uint32_t i = 0; i < known->n; ++i) {
+        const waiting_contact *c = &known->contacts[i];
+        list_add(&list->list, &(waiting_end){c->owner, i}, 1, sizeof(waiting_end));
+        if (c->other_moves)
+            list_add(&list->list, &(waiting_end){c->other, i}, 1, sizeof(waiting_end));
+    }
+    if (list->n > 0 && !list->failed)
+        qsort(list->ends, list->n, sizeof *list->ends, compare_ends);
+}
+
+static uint64_t first_of(const end_list *list, uint32_t id)
+{
+    uint64_t low = 0, n = list->n;
+    while (low < n) {
+        uint64_t middle = low + (n - low) / 2;
+        if (list->ends[middle].id < id)
+            low = middle + 1;
+        else
+            n = middle;
+    }
+    return low;
+}
+
+// The ranks that have an end as a ghost; each contact once.
+static void list_told(const moving *m, const waiting_list *known, const end_list *ends,
+                      told_list *told)
+{
+    const halo_item *sent = m->halo.sent.items.items;
+    uint64_t kept = 0;
+    for (uint64_t i = 0; ends->n > 0 && i < m->halo.sent.items.n; ++i)
+        for (uint64_t k = first_of(ends, sent[i].id); k < ends->n && ends->ends[k].id == sent[i].id;
+             ++k) {
+            const waiting_contact *c = &known->contacts[ends->ends[k].contact];
+            const waiting_told one = {sent[i].rank, c->owner, c->other};
+            if (sent[i].rank != (uint32_t)m->ranks->self)
+                list_add(&told->list, &one, 1, sizeof one);
+        }
+    if (told->n > 0 && !told->failed)
+        qsort(told->rows, told->n, sizeof *told->rows, compare_told);
+    for (uint64_t i = 0; !told->failed && i < told->n; ++i)
+        if (kept == 0 || compare_told(&told->rows[kept - 1], &told->rows[i]) != 0)
+            told->rows[kept++] = told->rows[i];
+    told->n = told->failed ? told->n : kept;
+}
+
+static void choose_told(const moving *m, const waiting_list *known, told_list *told,
+                        duet_error *own)
+{
+    end_list ends = {0};
+    if (is_well(own) && !known->failed)
+        list_ends(known, &ends);
+    if (is_well(own) && !known->failed && !ends.failed)
+        list_told(m, known, &ends, told);
+    if (known->failed || ends.failed || told->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
+    free(ends.ends);
+}
+
+// ---------------------------------------------------------------- rounds
+
+typedef struct telling {
+    const waiting_list *known;
+    const told_list *told;
+} telling;
+
+static int rank_of(const void *context, uint64_t i)
+{
+    return (int)((const telling *)context)->told->rows[i].rank;
+}
+
+static const waiting_contact *contact_of(const waiting_list *known, const waiting_told *told)
+{
+    return &known->contacts[colouring_place(known->contacts, known->n, told->owner, told->other)];
+}
+
+static void write_contact(const void *context, uint64_t i, void *row)
+{
+    const telling *t = context;
+    waiting_contact c = *contact_of(t->known, &t->told->rows[i]);
+    c.is_decided_here = 0;
+    memcpy(row, &c, sizeof c);
+}
+
+// Tells so many of them.
+static bool tell(moving *m, waiting_list *known, const told_list *told, uint64_t n, duet_error *own)
+{
+    const telling t = {known, told};
+    parcels in = {0};
+    if (!parcels_deal(m->ranks, is_well(own), sizeof(waiting_contact), n, rank_of, write_contact,
+                      &t, &in, own))
+        return false;
+    m->counts.told += n;
+    list_add(&known->list, in.rows, in.n, sizeof(waiting_contact));
+    if (known->failed)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
+    parcels_end(&in);
+    return true;
+}
+
+// Contacts that have a colour now come first, to be told once more; returns how many.
+static uint64_t bring_forward(const waiting_list *known, told_list *told)
+{
+    uint64_t n = 0;
+    for (uint64_t i = 0; i < told->n; ++i)
+        if (contact_of(known, &told->rows[i])->colour != COLOUR_WAITS) {
+            const waiting_told one = told->rows[i];
+            told->rows[i] = told->rows[n];
+            told->rows[n++] = one;
+        }
+    return n;
+}
+
+static void forget_first(told_list *told, uint64_t n)
+{
+    told->n -= n;
+    if (n > 0)
+        memmove(told->rows, told->rows + n, told->n * sizeof *told->rows);
+}
+
+// Colours what it can; t: contacts of all ranks that wait on, and that are still to be told.
+static bool run(moving *m, waiting_list *known, told_list *told, uint64_t *n_told, tally *t,
+                duet_error *own)
+{
+    *t = (tally){0};
+    if (is_well(own) && colouring_run(known->contacts, &known->n, &t->sums[0], own))
+        *n_told = bring_forward(known, told);
+    t->sums[1] = *n_told;
+    return ranks_agree_and(m->ranks, is_well(own), t, own);
+}
+
+static bool run_rounds(moving *m, waiting_list *known, told_list *told, duet_error *own)
+{
+    tally t = {0};
+    uint64_t n = 0;
+    bool ok = tell(m, known, told, told->n, own) && run(m, known, told, &n, &t, own);
+    while (ok && (t.sums[0] > 0 || (m->every > 1 && t.sums[1] > 0))) {
+        ok = tell(m, known, told, n, own);
+        forget_first(told, n);
+        n = 0;
+        ok = ok && run(m, known, told, &n, &t, own);
+    }
+    return ok;
+}
+
+bool waiting_colour(moving *m, waiting_list *known, duet_error *own)
+{
+    told_list told = {0};
+    if (!known->failed)
+        known->n = colouring_sort(known->contacts, known->n);
+    m->counts.waited += known->n;
+    choose_told(m, known, &told, own);
+    bool ok = run_rounds(m, known, &told, own);
+    free(told.rows);
+    return ok;
+}
