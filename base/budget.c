@@ -9,9 +9,11 @@ static _Atomic size_t held_bytes;
 static _Thread_local budget *current;
 static _Thread_local budget_watch *watcher;
 
-void budget_set_watch(budget_watch *watch)
+budget_watch *budget_set_watch(budget_watch *watch)
 {
+    budget_watch *before = watcher;
     watcher = watch;
+    return before;
 }
 
 static void tell(uint64_t deadline_ns)

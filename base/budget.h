@@ -33,7 +33,8 @@ typedef struct budget_watch {
     void *listener;
 } budget_watch;
 
-void budget_set_watch(budget_watch *watch);
+// Returns the one that the thread had. NULL: nothing stops its work.
+budget_watch *budget_set_watch(budget_watch *watch);
 
 // Has `told` hear how far the work of the thread is, until NULL is given; total is 0 if
 // it is not known. While it does, `stopped` ends work outside of scripts too.

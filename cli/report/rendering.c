@@ -2,6 +2,7 @@
 #include "cli/report/rendering.h"
 
 #include "base/blob.h"
+#include "base/budget.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
 #include "gen/sandbox.h"
@@ -72,7 +73,8 @@ static bool load_parts(script *s, const char *const *parts, duet_error *err)
 }
 
 // Leaves what the last part's function returns on the stack of a script; NULL on failure. The
-// scripts are ours, and bounded only by how much there is to show.
+// scripts are ours, and bounded only by how much there is to show: what was done is told also after
+// it was stopped.
 static script *call_parts(const char *const *parts, const cJSON *shown, const char *keep,
                           duet_error *err)
 {
@@ -81,6 +83,7 @@ static script *call_parts(const char *const *parts, const cJSON *shown, const ch
                                   .seconds = 3600,
                                   .failure = DUET_STATUS_BAD_INPUT};
     pushing p = {.shown = shown, .keep = keep};
+    budget_watch *watch = budget_set_watch(NULL);
     script *s = sandbox_open(&limits, err);
     bool ok = s && load_parts(s, parts, err);
     if (ok) {
@@ -88,6 +91,7 @@ static script *call_parts(const char *const *parts, const cJSON *shown, const ch
         lua_pushlightuserdata(script_lua(s), &p);
         ok = script_call(s, 1, 1, err) && script_call(s, 1, 1, err);
     }
+    budget_set_watch(watch);
     text_free(&p.words);
     if (ok)
         return s;

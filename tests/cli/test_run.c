@@ -270,6 +270,11 @@ TEST(ctrl_c_shows_what_was_timed)
         cJSON *o = json_of(p.out);
         assert_true(json_number(o, "repeat") > 0 && json_number(o, "repeat") < 100000);
     }
+    p = program_run_with("timeout --foreground --preserve-status -s INT 2",
+                         "run %s -n 3000 --repeat 100000", SCENE);
+    assert_int_equal(p.exit_code, 130);
+    assert_string_equal(p.err, "duet: stopped\n");
+    assert_true(!*p.out || strstr(p.out, "median of "));
 }
 
 TEST(a_level_is_compared_with_its_own_reference)

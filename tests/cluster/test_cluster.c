@@ -148,6 +148,20 @@ TEST(the_first_step_stage_and_body_that_differ_from_one_motion_are_named)
     assert_true(step > 0 && step == first);
 }
 
+// ---------------------------------------------------------------- stopped
+
+// On a slow machine no step may have been made yet, which is said in the same line.
+TEST(ctrl_c_shows_what_ranks_moved)
+{
+    skip_without_mpi();
+    program_run("cluster falling -n 200 --steps 20"); // kernels are built
+    program p = program_run_with("timeout --foreground --preserve-status -s INT 3",
+                                 "cluster falling -n 200 --steps 100000000");
+    assert_int_equal(p.exit_code, 130);
+    assert_string_equal(p.err, "duet: stopped\n");
+    assert_true(!*p.out || strstr(p.out, "\nstate hash "));
+}
+
 // ---------------------------------------------------------------- recorded commands
 
 // Commands of every form, the last ones after the last step.
