@@ -8,7 +8,8 @@
 #include "cluster/ghosts.h"
 #include "cluster/migrate.h"
 #include "cluster/own_pairs.h"
-#include "runtime/commands/command.h"
+
+struct command;
 
 // How far the objects are from being searched. Each state includes those before it; mapping,
 // setting or loading objects goes back to the first.
@@ -114,7 +115,7 @@ void cluster_take(duet_cluster *c, object_rows *rows);
 // Makes a call's failure on one rank, NULL arguments included, the failure of all ranks.
 bool cluster_agree_on(duet_cluster *c, const char *call, bool ok, duet_error *own, duet_error *err);
 // Gives the motion a command, of which only rank 0's arguments count; all ranks name the op.
-bool cluster_give(duet_cluster *c, command *k, duet_error *err);
+bool cluster_give(duet_cluster *c, struct command *k, duet_error *err);
 // Copies the domain that has the most objects to each worker, so that it can look up its profile.
 bool cluster_show_domain(duet_cluster *c, duet_error *err);
 
