@@ -232,6 +232,8 @@ void verdict_reach(tuning *t)
     t->stage = "verdict";
     t->stage_end = t->problem->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
+    if (t->problem->def->search)
+        t->repeats = tuning_count_launches(t, t->repeats);
     race_options first = first_race(all.n - n_alone);
     if (all.n > 1)
         field_race(t, &all, &first);

@@ -20,6 +20,7 @@ typedef struct fake {
     double factor[2][CONFIGS];
     double slower;
     double sigma;
+    double unit_ns; // of a launch that takes 1
     rng random;
     uint32_t launches, stop_after;
 } fake;
@@ -106,9 +107,10 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     uint32_t a = read_config(f, plan->variant_a), b = read_config(f, plan->variant_b);
     (void)err;
     ++f->launches;
-    launch->a_ns = share > 0 ? (int64_t)(1e7 * noisy(f, f->slower * share * f->factor[0][a])) : 0;
-    launch->b_ns = share < 1 ? (int64_t)(1e7 * noisy(f, (1 - share) * f->factor[1][b])) : 0;
-    launch->total_ns = (int64_t)(1e7 * noisy(f, time_of(f, share, a, b)));
+    launch->a_ns =
+        share > 0 ? (int64_t)(f->unit_ns * noisy(f, f->slower * share * f->factor[0][a])) : 0;
+    launch->b_ns = share < 1 ? (int64_t)(f->unit_ns * noisy(f, (1 - share) * f->factor[1][b])) : 0;
+    launch->total_ns = (int64_t)(f->unit_ns * noisy(f, time_of(f, share, a, b)));
     for (int device = 0; staged && device < 2; ++device)
         launch->stages[launch->n_stages++] =
             (duet_stage){.name = "kernel",
@@ -183,7 +185,7 @@ static joint_space open_space(const fake *f)
 
 TEST(every_plan_of_the_grid_has_one_number)
 {
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
     joint_space s = open_space(&f);
     uint64_t n = joint_space_count(&s);
@@ -205,7 +207,7 @@ TEST(every_plan_of_the_grid_has_one_number)
 // Eight kernels of 12 configs: more than a search goes through, and more than 64 bits count.
 TEST(many_kernels_leave_a_number_of_plans)
 {
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
     joint_space s = {.points = POINTS};
     for (int device = 0; device < 2; ++device)
@@ -223,7 +225,7 @@ TEST(many_kernels_leave_a_number_of_plans)
 
 TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
 {
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
     joint_space s = open_space(&f);
     for (int i = 0; i < 2000; ++i) {
@@ -245,7 +247,7 @@ TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
 
 TEST(brute_force_finds_the_best_plan_of_all)
 {
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     for (int i = 0; i < 5; ++i) {
         invent(&f);
         duet_tune_outcome o = tune_fake(&f, "brute");
@@ -264,7 +266,7 @@ TEST(a_tenth_of_the_plans_comes_near_the_best)
     } cases[] = {{"random", 0.06}, {"annealing", 0.02}, {"balance", 0.02}};
     enum { TIMES = 25 };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        fake f = {.random = rng_seed(test_seed() + 1), .sigma = 0.01};
+        fake f = {.random = rng_seed(test_seed() + 1), .unit_ns = 1e7, .sigma = 0.01};
         double mean = 0, worst = 0;
         for (int i = 0; i < TIMES; ++i) {
             invent(&f);
@@ -285,7 +287,7 @@ TEST(a_tenth_of_the_plans_comes_near_the_best)
 TEST(a_tuning_takes_a_tenth_of_the_trials_of_brute_force)
 {
     enum { TIMES = 60 };
-    fake f = {.random = rng_seed(test_seed() + 2), .sigma = 0.05};
+    fake f = {.random = rng_seed(test_seed() + 2), .unit_ns = 1e7, .sigma = 0.05};
     double trials = 0, off = 0;
     uint32_t plans = 0;
     for (int i = 0; i < TIMES; ++i) {
@@ -317,7 +319,7 @@ TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
         uint32_t more, alone; // at most
     } cases[] = {{0.1, 0.04, 6, 1}, {0.3, 0.2, 20, 6}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        fake f = {.random = rng_seed(test_seed() + 3), .sigma = cases[k].sigma};
+        fake f = {.random = rng_seed(test_seed() + 3), .unit_ns = 1e7, .sigma = cases[k].sigma};
         uint32_t more = 0, alone = 0;
         double trials = 0, off = 0;
         for (int i = 0; i < TIMES; ++i) {
@@ -340,9 +342,35 @@ TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
     }
 }
 
+// One set of parameters takes 15 % less than the default one, and all others take half as much
+// again. No race of two dozen rounds is 99 % sure of that at such noise, but it mostly shows which
+// is the better.
+TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
+{
+    enum { TIMES = 100, BETTER = 4 };
+    fake f = {.random = rng_seed(test_seed() + 4), .unit_ns = 1e6, .sigma = 0.15};
+    uint32_t kept[2] = {0};
+    for (int i = 0; i < TIMES; ++i) {
+        invent(&f);
+        f.slower = 0.5;
+        for (int device = 0; device < 2; ++device) {
+            for (uint32_t c = 0; c < CONFIGS; ++c)
+                f.factor[device][c] = 1.5;
+            f.factor[device][f.space.now] = 1.15;
+            f.factor[device][BETTER] = 1;
+        }
+        duet_tune_outcome o = tune_fake(&f, "balance");
+        kept[0] += read_config(&f, o.plan.variant_a) != BETTER;
+        kept[1] += read_config(&f, o.plan.variant_b) != BETTER;
+    }
+    print_message("another set than the best, of %d: %u times on A, %u on B\n", TIMES, kept[0],
+                  kept[1]);
+    assert_true(kept[0] <= 45 && kept[1] <= 45);
+}
+
 TEST(no_plan_is_measured_twice)
 {
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
     joint_space s = open_space(&f);
     for (int k = 0; strategies[k]; ++k) {
@@ -371,7 +399,7 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 {
     static const char *const names[] = {"random", "annealing"};
     for (int k = 0; k < 2; ++k) {
-        fake f = {.random = rng_seed(test_seed())};
+        fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
         invent(&f);
         duet_tune_outcome expected = tune_fake(&f, names[k]), o;
         duet_error err = {0};
@@ -431,7 +459,7 @@ TEST(a_script_searches_kernels_and_share_together)
         "  if n < 2 * na + 17 then return { share = space.shares[n - 2 * na + 1], configs = "
         "configs } end\n"
         "end }\n";
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     for (int i = 0; i < 5; ++i) {
         duet_tune_outcome o;
         invent(&f);
@@ -450,7 +478,7 @@ TEST(a_script_that_gives_no_plan_is_told_what_was_expected)
         {"return { joint = function() return { share = 0.5, configs = { 13, 1 } } end }",
          "config 1 is 13; expected 1 to 12"},
     };
-    fake f = {.random = rng_seed(test_seed())};
+    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_tune_outcome o;
