@@ -23,6 +23,7 @@ typedef struct fake {
     double unit_ns; // of a launch that takes 1
     rng random;
     uint32_t launches, stop_after;
+    uint32_t most_trials; // 0: any number
 } fake;
 
 static void invent(fake *f)
@@ -145,6 +146,7 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
                                .modes = modes,
                                .n_modes = 1,
                                .repeats = 1,
+                               .budget_trials = f->most_trials,
                                .seed = 7,
                                .watch = watch_fake,
                                .watch_context = f};
@@ -366,6 +368,27 @@ TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
     print_message("another set than the best, of %d: %u times on A, %u on B\n", TIMES, kept[0],
                   kept[1]);
     assert_true(kept[0] <= 45 && kept[1] <= 45);
+}
+
+// The plans of a search fit the budget, and what sharing loses is told, though no plan that shares
+// is among the best few.
+TEST(a_small_budget_is_enough_for_a_verdict_on_sharing)
+{
+    static const char *const names[] = {"random", "annealing"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
+        fake f = {
+            .random = rng_seed(test_seed() + 5), .unit_ns = 1e7, .sigma = 0.01, .most_trials = 90};
+        for (int i = 0; i < 20; ++i) {
+            invent(&f);
+            f.slower = 400; // even a sixteenth on A takes 25 times as long as all on B
+            duet_tune_outcome o = tune_fake(&f, names[k]);
+            assert_true(o.trials <= f.most_trials);
+            assert_int_equal(o.plan.share, 0);
+            assert_true(o.best.share > 0 && o.best.share < DUET_SHARE_ONE);
+            assert_string_equal(o.verdict, "slower");
+            assert_true(o.gain_high < -0.5);
+        }
+    }
 }
 
 TEST(no_plan_is_measured_twice)
