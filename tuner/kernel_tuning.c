@@ -13,10 +13,10 @@ static const double BEHIND = 1.07;        // in times of the fastest
 static const double TRIALS_A_VALUE = 2.6; // trials per value of a parameter, on invented kernels
 static const double WORTH_SEARCH = 0.03;  // a kernel that takes so much of its device's time
 
-// Where times scatter by a tenth, no race of two dozen rounds is 99 % sure of a gain of a tenth. A
+// Where times scatter by a tenth, no race of so few rounds is 99 % sure of a gain of a tenth. A
 // wrong choice costs no more than a right one gains, and both single devices are measured with it.
 static const race_options confirmation = {
-    .least_rounds = 10, .most_rounds = 24, .confidence = 0.8, .dropped = 1.02, .margin = 0.02};
+    .least_rounds = 8, .most_rounds = 16, .confidence = 0.8, .dropped = 1.02, .margin = 0.02};
 
 // The configs as plans; one whose text would be too long is left out.
 static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_space *space,

@@ -16,6 +16,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/rng.h"
 #include "runtime/task/task.h"
 #include "tuner/stats.h"
 #include "tuner/subject.h"
@@ -268,16 +269,32 @@ static bool is_known(const rival *rivals, uint32_t rounds)
     return known;
 }
 
+// Puts the rivals in an order of the round's own, so that none always follows the same other one.
+static void shuffle(uint32_t *order, uint32_t n, uint32_t round)
+{
+    rng r = rng_stream(1, round);
+    for (uint32_t i = 0; i < n; ++i)
+        order[i] = i;
+    for (uint32_t i = n - 1; i > 0; --i) {
+        uint32_t k = rng_below(&r, i + 1), last = order[i];
+        order[i] = order[k];
+        order[k] = last;
+    }
+}
+
 // So many rounds of all that have a name.
 static bool race_all(subject *s, rival *rivals, uint32_t n, uint32_t from, uint32_t to,
                      duet_error *err)
 {
+    uint32_t order[RIVALS];
     bool ok = true;
-    for (uint32_t run = from; ok && run < to; ++run)
+    for (uint32_t run = from; ok && run < to; ++run) {
+        shuffle(order, n, run);
         for (uint32_t turn = 0; ok && turn < n; ++turn) {
-            rival *r = &rivals[(turn + run) % n];
+            rival *r = &rivals[order[turn]];
             ok = !r->name || launch_twice(s, &r->plan, &r->ms[run], err);
         }
+    }
     return ok;
 }
 
