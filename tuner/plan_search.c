@@ -165,12 +165,12 @@ static uint32_t count_samples(const strategy *of, const joint_space *space)
     return n / 10 < LEAST ? LEAST : n / 10 > MOST ? MOST : (uint32_t)(n / 10);
 }
 
-// As many as leave enough of a budget in trials for the race of the best few.
+// As many as leave enough of a budget in trials for the race of the best few; half of it at least.
 static uint32_t count_affordable(const tuning *t, uint32_t n)
 {
-    double left = trial_budget_end(t->problem, SEARCH_END) - t->state->played -
-                  FINALISTS * finals.least_rounds;
-    return t->problem->def->budget_trials == 0 || left > n ? n : (uint32_t)fmax(left, 1);
+    double left = trial_budget_end(t->problem, SEARCH_END) - t->state->played;
+    double most = fmax(left - FINALISTS * finals.least_rounds, left / 2);
+    return t->problem->def->budget_trials == 0 || most > n ? n : (uint32_t)fmax(most, 1);
 }
 
 static int by_time(const void *a, const void *b)
