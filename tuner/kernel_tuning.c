@@ -219,7 +219,7 @@ void kernel_tuning_run(tuning *t)
     t->stage = "kernels of B";
     t->stage_end = (VARIANTS_END + KERNELS_END) / 2;
     if (!take_searched(t, 1) && tuning_goes_on(t))
-        search_device(t, 1, 0);
+        search_device(t, 1, alike ? t->problem->fair : 0);
     t->stage = "kernels of A";
     t->stage_end = KERNELS_END;
     if (alike)

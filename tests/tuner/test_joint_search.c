@@ -18,6 +18,7 @@ enum { SIZES = 4, TILES = 3, CONFIGS = SIZES * TILES, POINTS = 16 };
 typedef struct fake {
     kernel_space space; // of both devices
     double factor[2][CONFIGS];
+    double crowded[CONFIGS]; // and so much longer, as part of it, while both devices work
     double slower;
     double sigma;
     double unit_ns; // of a launch that takes 1
@@ -54,11 +55,26 @@ static void invent(fake *f)
     f->slower = 1 + 7 * rng_unit(&f->random);
 }
 
+static double crowding(const fake *f, double share, uint32_t config)
+{
+    return share > 0 && share < 1 ? 1 + f->crowded[config] : 1;
+}
+
+static double part_of_a(const fake *f, double share, uint32_t config)
+{
+    return f->slower * share * f->factor[0][config] * crowding(f, share, config);
+}
+
+static double part_of_b(const fake *f, double share, uint32_t config)
+{
+    return (1 - share) * f->factor[1][config] * crowding(f, share, config);
+}
+
 static double time_of(const fake *f, double share, uint32_t a, uint32_t b)
 {
     double shared = share > 0 && share < 1 ? 0.05 : 0;
-    double of_a = share > 0 ? f->slower * share * f->factor[0][a] + shared : 0;
-    double of_b = share < 1 ? (1 - share) * f->factor[1][b] + shared : 0;
+    double of_a = share > 0 ? part_of_a(f, share, a) + shared : 0;
+    double of_b = share < 1 ? part_of_b(f, share, b) + shared : 0;
     return fmax(of_a, of_b);
 }
 
@@ -108,9 +124,8 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     uint32_t a = read_config(f, plan->variant_a), b = read_config(f, plan->variant_b);
     (void)err;
     ++f->launches;
-    launch->a_ns =
-        share > 0 ? (int64_t)(f->unit_ns * noisy(f, f->slower * share * f->factor[0][a])) : 0;
-    launch->b_ns = share < 1 ? (int64_t)(f->unit_ns * noisy(f, (1 - share) * f->factor[1][b])) : 0;
+    launch->a_ns = share > 0 ? (int64_t)(f->unit_ns * noisy(f, part_of_a(f, share, a))) : 0;
+    launch->b_ns = share < 1 ? (int64_t)(f->unit_ns * noisy(f, part_of_b(f, share, b))) : 0;
     launch->total_ns = (int64_t)(f->unit_ns * noisy(f, time_of(f, share, a, b)));
     for (int device = 0; staged && device < 2; ++device)
         launch->stages[launch->n_stages++] =
@@ -368,6 +383,29 @@ TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
     print_message("another set than the best, of %d: %u times on A, %u on B\n", TIMES, kept[0],
                   kept[1]);
     assert_true(kept[0] <= 45 && kept[1] <= 45);
+}
+
+// Two devices of one kind share a half each, and what is best for one that works alone may not be
+// while both work: on what they have in common, such as the way to memory.
+TEST(equal_devices_get_the_kernels_that_are_best_while_both_work)
+{
+    enum { TIMES = 50, BEST = 4, ALONE = 3 };
+    fake f = {.random = rng_seed(test_seed() + 6), .unit_ns = 1e7, .sigma = 0.01};
+    for (int i = 0; i < TIMES; ++i) {
+        invent(&f);
+        f.slower = 1;
+        for (int device = 0; device < 2; ++device) {
+            for (uint32_t c = 0; c < CONFIGS; ++c)
+                f.factor[device][c] = 1.5;
+            f.factor[device][BEST] = 1.1;
+            f.factor[device][ALONE] = 1;
+        }
+        f.crowded[ALONE] = 0.3;
+        duet_tune_outcome o = tune_fake(&f, "balance");
+        assert_true(o.plan.share > 0 && o.plan.share < DUET_SHARE_ONE);
+        assert_int_equal(read_config(&f, o.plan.variant_a), BEST);
+        assert_int_equal(read_config(&f, o.plan.variant_b), BEST);
+    }
 }
 
 // The plans of a search fit the budget, and what sharing loses is told, though no plan that shares
