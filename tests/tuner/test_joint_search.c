@@ -25,6 +25,7 @@ typedef struct fake {
     rng random;
     uint32_t launches, stop_after;
     uint32_t most_trials; // 0: any number
+    uint32_t repeats;     // of a trial; 0: one
 } fake;
 
 static void invent(fake *f)
@@ -160,7 +161,7 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
                                .n_variants = 1,
                                .modes = modes,
                                .n_modes = 1,
-                               .repeats = 1,
+                               .repeats = f->repeats ? f->repeats : 1,
                                .budget_trials = f->most_trials,
                                .seed = 7,
                                .watch = watch_fake,
@@ -427,6 +428,23 @@ TEST(a_small_budget_is_enough_for_a_verdict_on_sharing)
             assert_true(o.gain_high < -0.5);
         }
     }
+}
+
+// A trial is a launch to warm up and three that count, or one if they take a second.
+TEST(long_launches_count_once)
+{
+    double launches[2]; // a trial
+    for (int i = 0; i < 2; ++i) {
+        fake f = {.random = rng_seed(test_seed() + 7),
+                  .unit_ns = i == 0 ? 2e7 : 2e10,
+                  .sigma = 0.01,
+                  .repeats = 3};
+        invent(&f);
+        duet_tune_outcome o = tune_fake(&f, "random");
+        assert_int_equal(o.launches, f.launches);
+        launches[i] = (double)o.launches / o.trials;
+    }
+    assert_true(launches[0] > 3 && launches[1] <= 2.1); // the first trial counts three
 }
 
 TEST(no_plan_is_measured_twice)
