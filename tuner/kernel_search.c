@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+enum { FEW = 16 }; // configs, of which each is tried
+
 static const double BEHIND = 1.07; // in times of the fastest
 static const double AHEAD = 1.02;  // a value must gain this much: between equal values noise would
                                    // choose, and the next parameter's best may not suit them
@@ -52,6 +54,22 @@ static uint32_t list_rivals(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALU
     return n;
 }
 
+// Of few configs those that were not met either: the best of them may differ in several values from
+// any that was raced.
+static uint32_t list_left(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES])
+{
+    uint32_t n = 1;
+    configs[0] = s->best;
+    for (uint32_t i = 0; s->space->n_configs <= FEW && i < s->space->n_configs; ++i) {
+        if (s->seen[i] || n == KERNEL_SPACE_VALUES)
+            continue;
+        s->seen[i] = true;
+        configs[n++] = i;
+    }
+    s->tried += n - 1;
+    return n > 1 ? n : 0;
+}
+
 uint32_t kernel_search_next(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES])
 {
     while (s->idle < s->space->n_params) {
@@ -61,7 +79,7 @@ uint32_t kernel_search_next(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALU
         ++s->idle;
         s->param = (s->param + 1) % s->space->n_params;
     }
-    return 0;
+    return list_left(s, configs);
 }
 
 void kernel_search_tell(kernel_search *s, const uint32_t *configs, const double *times, uint32_t n)

@@ -4,7 +4,8 @@
 //
 // One parameter after the other is varied, the others staying as they are best so far
 // (coordinate descent), until a whole round of parameters brings nothing new. A value
-// that was clearly behind is not tried again beside other values of the others.
+// that was clearly behind is not tried again beside other values of the others, but of few configs
+// all are tried in the end.
 #ifndef TUNER_KERNEL_SEARCH_H
 #define TUNER_KERNEL_SEARCH_H
 
@@ -27,8 +28,8 @@ uint32_t kernel_search_distance(const kernel_space *space, uint32_t config, uint
 // The space must live as long as the search.
 kernel_search kernel_search_begin(const kernel_space *space);
 
-// The configs to race: the best one so far, then those that differ from it in one
-// parameter and were never raced. Returns how many; 0: the search is done.
+// The configs to race: the best one so far, then others that were never raced: those that differ
+// from it in one parameter, or in the end what is left. Returns how many; 0: the search is done.
 uint32_t kernel_search_next(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES]);
 
 // Reports what that race showed: how long each config takes, INFINITY if it could not run.

@@ -165,6 +165,14 @@ static uint32_t count_samples(const strategy *of, const joint_space *space)
     return n / 10 < LEAST ? LEAST : n / 10 > MOST ? MOST : (uint32_t)(n / 10);
 }
 
+// As many as leave enough of a budget in trials for the race of the best few; half of it at least.
+static uint32_t count_affordable(const tuning *t, uint32_t n)
+{
+    double left = trial_budget_end(t->problem, SEARCH_END) - t->state->played;
+    double most = fmax(left - FINALISTS * finals.least_rounds, left / 2);
+    return t->problem->def->budget_trials == 0 || most > n ? n : (uint32_t)fmax(most, 1);
+}
+
 static int by_time(const void *a, const void *b)
 {
     const search_sample *x = a, *y = b;
@@ -203,6 +211,26 @@ static double expect_alone(const search *h, int device)
     return least;
 }
 
+static bool is_shared(uint32_t share)
+{
+    return share > 0 && share < SEARCH_ONE;
+}
+
+// If one device does it all, the share and the other device's kernels are those of the best plan
+// that shares: the verdict tells what that gains or loses.
+static void add_shared(const search *h, duet_plan *best)
+{
+    duet_plan shared;
+    for (uint32_t i = 0; i < h->n && !is_shared(best->share); ++i) {
+        const search_sample *at = &h->samples[i];
+        if (at->failed || !is_shared(at->share) || !joint_space_plan(h->space, at, &shared))
+            continue;
+        int idle = best->share == 0 ? 0 : 1;
+        plan_set_variant(best, idle, plan_variant(&shared, idle));
+        best->share = shared.share;
+    }
+}
+
 static mode_found choose(tuning *t, search *h)
 {
     mode_found found = {.mode = h->space->base.mode,
@@ -212,6 +240,7 @@ static mode_found choose(tuning *t, search *h)
         qsort(h->samples, h->n, sizeof *h->samples, by_time);
     found.usable = h->n > 0 && !h->samples[0].failed;
     duet_plan best = race_best_few(t, h);
+    add_shared(h, &best);
     found.share = best.share;
     plan_set_variant(&t->plan, 0, best.variant_a);
     plan_set_variant(&t->plan, 1, best.variant_b);
@@ -226,7 +255,7 @@ static void search_jointly(tuning *t, const strategy *by)
     read_space(t, &s);
     search joint = {
         .strategy = by, .space = &s, .script = t->problem->script, .seed = t->problem->def->seed};
-    joint.options.launches = count_samples(joint.strategy, &s);
+    joint.options.launches = count_affordable(t, count_samples(joint.strategy, &s));
     t->search_trials = joint.options.launches + FINALISTS * finals.most_rounds;
     ask_strategy(t, &joint);
     uint64_t plans = joint_space_count(&s);

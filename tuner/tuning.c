@@ -28,14 +28,33 @@ bool tuning_goes_on(const tuning *t)
     return t->why.status == DUET_STATUS_OK && in_time && in_trials;
 }
 
+uint32_t tuning_count_launches(const tuning *t, uint32_t usual)
+{
+    enum { MOST = 8 };
+    static const double enough_ns = 5e6;
+    uint32_t played = t->state->played;
+    double ns = played > 0 ? (double)t->state->entries[played - 1].sample.total_ns : enough_ns;
+    return (uint32_t)fmax(fmin(ceil(enough_ns / fmax(ns, 1)), MOST), usual);
+}
+
+// One launch counts if the first trial's took a second: nothing disturbs the whole of it, and of
+// longer ones a tuning has few.
+static uint32_t limit_launches(const tuning *t, uint32_t n)
+{
+    static const uint64_t long_ns = UINT64_C(1000000000);
+    bool long_ones = t->state->played > 0 && t->state->entries[0].sample.total_ns >= long_ns;
+    return long_ones ? 1 : n;
+}
+
 // Checks after the first trial, whose kernels were built in it, whether the time can suffice: each
 // trial takes at least half as long as one device alone.
 static bool check_budget(tuning *t, const trial *first)
 {
     const duet_tune_def *def = t->problem->def;
     double launch_s = (double)first->sample.total_ns * 1e-9;
-    double least_s = (double)t->spent_ns * 1e-9 +
-                     0.5 * launch_s * (1 + VERDICT_REPEATS) * trial_budget_least(def);
+    double least_s = (double)t->spent_ns * 1e-9 + 0.5 * launch_s *
+                                                      (1 + limit_launches(t, VERDICT_REPEATS)) *
+                                                      trial_budget_least(def);
     return def->budget_seconds <= 0 || least_s <= def->budget_seconds ||
            error_set(&t->why, DUET_STATUS_BAD_ARGUMENT,
                      "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
@@ -148,14 +167,16 @@ static bool wait_for_scheduler(tuning *t)
     return budget_check_stop(NULL) || tuning_stop(t);
 }
 
-// Measures until enough launches of the trial were undisturbed. While no other program has a core
-// the machine is as quiet as it can be: after some tries the launches count as they are. A machine
-// whose threads are always in each other's way must not cost every trial so many.
+// Measures until enough launches of the trial were undisturbed, as many as usual after the first
+// try. While no other program has a core the machine is as quiet as it can be: after some tries the
+// launches count as they are. A machine whose threads are always in each other's way must not cost
+// every trial so many.
 static bool measure_in_quiet(tuning *t, const measure_machine *machine, const duet_plan *plan,
                              measure_way way, measurement *m)
 {
-    uint32_t tries = 0;
+    uint32_t tries = 0, usual = t->problem->def->repeats;
     way.quiet = t->problem->def->wait_seconds > 0;
+    way.repeats = limit_launches(t, way.repeats);
     *m = measure_plan(machine, plan, way);
     while (m->failure.status == DUET_STATUS_OK && m->counted < way.repeats) {
         t->watched += m->trial.watched;
@@ -165,6 +186,7 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
         way.quiet = crowded || (++tries < QUIET_TRIES && t->quiet_tries++ < MOST_QUIET_TRIES);
         if (way.quiet && !(crowded ? wait_for_quiet(t, plan) : wait_for_scheduler(t)))
             return false;
+        way.repeats = way.repeats < usual ? way.repeats : usual;
         *m = measure_plan(machine, plan, way);
     }
     return m->failure.status != DUET_STATUS_INTERRUPTED || tuning_stop(t);

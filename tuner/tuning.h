@@ -63,6 +63,10 @@ bool tuning_goes_on(const tuning *t);
 // does not run, or of a tuning that has stopped, is not usable.
 trial tuning_run_trial(tuning *t, const duet_plan *plan);
 
+// How many launches of a trial are to count, by what the last trial's took: the usual number, or
+// more if they are short, which scatter most and cost least.
+uint32_t tuning_count_launches(const tuning *t, uint32_t usual);
+
 // The same on any machine, without the log: a resumed tuning runs it again.
 trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan);
 

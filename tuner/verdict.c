@@ -91,8 +91,9 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 // that it gains: the devices are of one kind, or launches waited for a core.
 static bool is_open(const tuning *t, const race_gain *gain)
 {
-    bool expected = t->problem->fair > 0 || t->disturbed > t->watched / 10;
-    return t->problem->def->wait_seconds > 0 && gain->verdict == RACE_SAME &&
+    bool expected = t->problem->fair > 0 ||
+                    (t->problem->def->wait_seconds > 0 && t->disturbed > t->watched / 10);
+    return gain->verdict == RACE_SAME &&
            fmax(gain->interval.high, 1 / gain->interval.low) > MOST_OF_SAME && expected;
 }
 
@@ -232,6 +233,8 @@ void verdict_reach(tuning *t)
     t->stage = "verdict";
     t->stage_end = t->problem->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
+    if (t->problem->def->search)
+        t->repeats = tuning_count_launches(t, t->repeats);
     race_options first = first_race(all.n - n_alone);
     if (all.n > 1)
         field_race(t, &all, &first);

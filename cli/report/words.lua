@@ -92,11 +92,17 @@ local function percents(format, row, name, ...)
   return format:format(100 * row[name], 100 * row[name .. "_low"], 100 * row[name .. "_high"], ...)
 end
 
+-- Percent by which the other is quicker where one gains so much over it.
+local function lead_of_other(gain) return 100 * (1 / (1 + gain) - 1) end
+
 -- The gain of a plan; if one device does it all, which one, and what sharing would gain, which is why it does.
 function report.gain(row)
   local alone = (row.share == 0 and "B" or "A") .. " alone; "
   if row.share > 0 and row.share < 1 then
     return percents("%+.1f %% (%+.1f to %+.1f) over the best single device: %s", row, "gain", row.verdict)
+  elseif row.verdict == "slower" and (row.joules or row.objective == "energy") then
+    return alone .. ("sharing would take %.1f %% more energy (%.1f to %.1f)"):format(lead_of_other(row.gain),
+      lead_of_other(row.gain_high), lead_of_other(row.gain_low))
   elseif row.verdict == "slower" then
     return alone .. ("sharing would be %.1f %% slower (%.1f to %.1f)"):format(-100 * row.gain, -100 * row.gain_high,
       -100 * row.gain_low)
@@ -107,9 +113,6 @@ function report.gain(row)
   end
   return alone .. "no share promises more"
 end
-
--- Percent by which the other is quicker where one gains so much over it.
-local function lead_of_other(gain) return 100 * (1 / (1 + gain) - 1) end
 
 -- How one device by itself compares with a plan. selector: what --pair takes for it, or nil.
 function report.whole(name, selector, row)

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The six example tasks: what each strategy finds of kernels and share, beside every plan of an
-// even grid (brute, its best shared plan, and the next best of its launches). The winners, and each
-// device alone by the kernels that the default strategy found, then race in turn; each is compared
-// with the best of brute force's, round by round. A launch's time is without what other programs
-// took of it. --n: items of saxpy; the others have as much less work. --task: one, of --n items.
+// even grid. Brute force's plan, its best shared plan and the next best of its launches race in
+// turn, --runs rounds; the best of them is what the others are compared with. The least of several
+// medians is a lucky one, so it races anew, with what each strategy found, each device alone by the
+// kernels that the default strategy found, and itself under another name, which shows what noise
+// is. That race goes on until each strategy's median ratio is known within 3 %, or for
+// FINAL_SECONDS. A launch's time is without what other programs took of it. --n: items of saxpy;
+// the others have as much less work. --task: one, of --n items.
 //
 // Brute force counts a plan, but does not launch it, if one part of it alone took 1.3 times as long
 // as the quickest plan. Every strategy tells how far it is, and the bench fails if brute force
@@ -13,6 +16,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/rng.h"
 #include "runtime/task/task.h"
 #include "tuner/stats.h"
 #include "tuner/subject.h"
@@ -36,10 +40,13 @@ static const char *const names[] = {"brute", "balance", "annealing", "random"};
 
 enum {
     N_NAMES = sizeof names / sizeof *names,
-    SHARED = N_NAMES,
-    FEW = 4, // more of brute force's best
-    RIVALS = N_NAMES + 1 + FEW + 2,
+    AGAIN = N_NAMES, // brute force's plan
+    A_ALONE,
+    B_ALONE,
+    RIVALS,
+    HEAT = 6, // brute force's plan, its best shared one, and the next best
     TELL_SECONDS = 5,
+    FINAL_SECONDS = 8,
     TASKS = sizeof tasks / sizeof *tasks
 };
 
@@ -47,7 +54,7 @@ typedef struct rival {
     const char *name;
     duet_plan plan;
     duet_tune_outcome found; // of a strategy
-    double ms[SERIES_ROOM];
+    double ms[STATS_MOST];
 } rival;
 
 // Leaves what other programs took of a launch out of it, which is of the device that took longer.
@@ -204,16 +211,22 @@ static const duet_plan *next_best(const trial_log *log, const rival *rivals, uin
 }
 
 // A verdict that was not sure uses one device, though sharing may be faster.
-static void add_plans(rival *rivals, const trial_log *brute)
+static void list_heat(rival heat[HEAT], const rival *brute, const trial_log *log)
 {
-    uint32_t n = SHARED;
-    rivals[n++] = (rival){.name = "shared", .plan = rivals[0].found.best};
-    for (int i = 0; i < FEW; ++i, ++n)
-        rivals[n] = (rival){.name = "next best", .plan = *next_best(brute, rivals, n)};
-    for (uint32_t a = 0; a < 2; ++a, ++n) {
-        rivals[n] = (rival){.name = a ? "A alone" : "B alone", .plan = rivals[1].plan};
-        rivals[n].plan.share = a * DUET_SHARE_ONE;
-    }
+    heat[0] = (rival){.name = "brute", .plan = brute->found.plan};
+    heat[1] = (rival){.name = "shared", .plan = brute->found.best};
+    for (uint32_t i = 2; i < HEAT; ++i)
+        heat[i] = (rival){.name = "next best", .plan = *next_best(log, heat, i)};
+}
+
+static void add_plans(rival *rivals, const duet_plan *best)
+{
+    rivals[0].plan = *best;
+    rivals[AGAIN] = (rival){.name = "the same", .plan = *best};
+    rivals[A_ALONE] = (rival){.name = "A alone", .plan = rivals[1].plan};
+    rivals[A_ALONE].plan.share = DUET_SHARE_ONE;
+    rivals[B_ALONE] = (rival){.name = "B alone", .plan = rivals[1].plan};
+    rivals[B_ALONE].plan.share = 0;
 }
 
 // ---------------------------------------------------------------- race
@@ -231,54 +244,129 @@ static bool launch_twice(subject *s, const duet_plan *plan, double *ms, duet_err
     return true;
 }
 
-static bool race_all(duet_device_pair *pair, task *t, core_watch *cores, rival *rivals,
-                     uint32_t runs, duet_error *err)
+// By how much a rival's time is above the first one's, in the same rounds.
+static stats_interval compare_times(const rival *r, const rival *first, uint32_t rounds,
+                                    double *median)
 {
-    subject s;
-    const duet_tune_def def = {.pair = pair, .task = t, .strategy = names[1]};
-    bool ok = subject_prepare(&s, &def, pair, cores, err);
-    for (uint32_t run = 0; ok && run < runs; ++run)
-        for (uint32_t turn = 0; ok && turn < RIVALS; ++turn) {
-            rival *r = &rivals[(turn + run) % RIVALS];
-            ok = !r->name || launch_twice(&s, &r->plan, &r->ms[run], err);
+    double ratios[STATS_MOST];
+    for (uint32_t i = 0; i < rounds; ++i)
+        ratios[i] = r->ms[i] / first->ms[i];
+    *median = stats_median(ratios, rounds);
+    return stats_median_interval(ratios, rounds, 0.95);
+}
+
+static bool is_known(const rival *rivals, uint32_t rounds)
+{
+    static const double widest = 0.03;
+    double median;
+    bool known = true;
+    for (int i = 1; i < N_NAMES; ++i) {
+        if (!rivals[i].name)
+            continue;
+        stats_interval in = compare_times(&rivals[i], &rivals[0], rounds, &median);
+        known &= in.high - in.low <= widest;
+    }
+    return known;
+}
+
+// Puts the rivals in an order of the round's own, so that none always follows the same other one.
+static void shuffle(uint32_t *order, uint32_t n, uint32_t round)
+{
+    rng r = rng_stream(1, round);
+    for (uint32_t i = 0; i < n; ++i)
+        order[i] = i;
+    for (uint32_t i = n - 1; i > 0; --i) {
+        uint32_t k = rng_below(&r, i + 1), last = order[i];
+        order[i] = order[k];
+        order[k] = last;
+    }
+}
+
+// So many rounds of all that have a name.
+static bool race_all(subject *s, rival *rivals, uint32_t n, uint32_t from, uint32_t to,
+                     duet_error *err)
+{
+    uint32_t order[RIVALS];
+    bool ok = true;
+    for (uint32_t run = from; ok && run < to; ++run) {
+        shuffle(order, n, run);
+        for (uint32_t turn = 0; ok && turn < n; ++turn) {
+            rival *r = &rivals[order[turn]];
+            ok = !r->name || launch_twice(s, &r->plan, &r->ms[run], err);
         }
-    subject_release(&s);
+    }
+    return ok;
+}
+
+static const rival *best_of(const rival *rivals, uint32_t n, uint32_t rounds)
+{
+    const rival *best = rivals;
+    for (uint32_t i = 1; i < n; ++i)
+        if (stats_median(rivals[i].ms, rounds) < stats_median(best->ms, rounds))
+            best = &rivals[i];
+    return best;
+}
+
+// Leaves the number of rounds of the last race.
+static bool race_twice(subject *s, rival *rivals, rival *heat, uint32_t runs, uint32_t *rounds,
+                       duet_error *err)
+{
+    if (!race_all(s, heat, HEAT, 0, runs, err))
+        return false;
+    add_plans(rivals, &best_of(heat, HEAT, runs)->plan);
+    uint64_t begun = clock_steady_ns();
+    bool ok = race_all(s, rivals, RIVALS, 0, runs, err);
+    for (*rounds = runs; ok && *rounds < STATS_MOST && !is_known(rivals, *rounds) &&
+                         clock_ms_since(begun) < FINAL_SECONDS * 1e3;
+         ++*rounds)
+        ok = race_all(s, rivals, RIVALS, *rounds, *rounds + 1, err);
     return ok;
 }
 
 // ---------------------------------------------------------------- table
 
-// The plan of brute force's with the least median.
-static const rival *best_of_brute(const rival *rivals, uint32_t runs)
-{
-    const rival *best = &rivals[0];
-    for (int i = SHARED; i < SHARED + 1 + FEW; ++i)
-        if (stats_median(rivals[i].ms, runs) < stats_median(best->ms, runs))
-            best = &rivals[i];
-    return best;
-}
-
-static void print_rival(const task *t, const rival *r, const rival *best, uint32_t runs,
+static void print_rival(const task *t, const rival *r, const rival *first, uint32_t rounds,
                         uint32_t all)
 {
-    double ratios[SERIES_ROOM];
-    for (uint32_t i = 0; i < runs; ++i)
-        ratios[i] = r->ms[i] / best->ms[i];
-    stats_interval in = stats_median_interval(ratios, runs, 0.95);
+    double median;
+    stats_interval in = compare_times(r, first, rounds, &median);
     printf("| %-13s | %9llu | %-9s | %6u | %5.1f %% | %7.1f | %.4f | %9.4f ms | %+6.1f %% | "
-           "%+6.1f to %+6.1f | %s, %s |\n",
+           "%+6.1f to %+6.1f | %-6s | %s, %s |\n",
            t->name, (unsigned long long)t->items, r->name, r->found.trials,
            100.0 * r->found.trials / all, r->found.seconds, r->plan.share / (double)DUET_SHARE_ONE,
-           stats_median(r->ms, runs), 100 * (stats_median(ratios, runs) - 1), 100 * (in.low - 1),
-           100 * (in.high - 1), r->plan.variant_a, r->plan.variant_b);
+           stats_median(r->ms, rounds), 100 * (median - 1), 100 * (in.low - 1), 100 * (in.high - 1),
+           in.low > 1    ? "slower"
+           : in.high < 1 ? "faster"
+                         : "equal",
+           r->plan.variant_a, r->plan.variant_b);
 }
 
-static void print(const task *t, const rival *rivals, uint32_t runs)
+static void print(const task *t, const rival *rivals, uint32_t rounds)
 {
     for (int i = 0; i < RIVALS; ++i)
         if (rivals[i].name)
-            print_rival(t, &rivals[i], best_of_brute(rivals, runs), runs, rivals[0].found.trials);
+            print_rival(t, &rivals[i], &rivals[0], rounds, rivals[0].found.trials);
     fflush(stdout);
+}
+
+static bool race_and_print(duet_device_pair *pair, task *t, core_watch *cores, rival *rivals,
+                           const trial_log *brute, uint32_t runs, duet_error *err)
+{
+    subject s;
+    uint32_t rounds;
+    const duet_tune_def def = {.pair = pair, .task = t, .strategy = names[1]};
+    runs = runs < STATS_MOST ? runs : STATS_MOST;
+    rival *heat = calloc(HEAT, sizeof *heat);
+    if (!heat)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for plans");
+    list_heat(heat, &rivals[0], brute);
+    bool ok = subject_prepare(&s, &def, pair, cores, err) &&
+              race_twice(&s, rivals, heat, runs, &rounds, err);
+    subject_release(&s);
+    free(heat);
+    if (ok)
+        print(t, rivals, rounds);
+    return ok;
 }
 
 static bool compare(duet_device_pair *pair, task *t, const bench_options *options, duet_error *err)
@@ -295,10 +383,7 @@ static bool compare(duet_device_pair *pair, task *t, const bench_options *option
         rivals[i].name = names[i];
         ok = tune(pair, t, cores, &rivals[i], &logs[i], options, err);
     }
-    add_plans(rivals, &logs[0]);
-    ok = ok && race_all(pair, t, cores, rivals, options->runs, err);
-    if (ok)
-        print(t, rivals, options->runs);
+    ok = ok && race_and_print(pair, t, cores, rivals, &logs[0], options->runs, err);
     for (int i = 0; i < N_NAMES; ++i)
         trial_log_free(&logs[i]);
     core_watch_close(cores);
@@ -331,7 +416,7 @@ bool bench_tasks(const bench_options *options, duet_error *err)
     const char *folder = getenv("DUET_TASKS");
     printf("| task | items | strategy | trials | of all | seconds | share | a launch | to brute | "
            "95 %% "
-           "| kernels of A, B |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+           "| verdict | kernels of A, B |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
     bool ok = true, any = false;
     for (int i = 0; ok && i < TASKS; ++i) {
         if (options->task && strcmp(options->task, tasks[i].name) != 0)

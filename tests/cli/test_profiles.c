@@ -226,6 +226,8 @@ TEST(what_one_device_does_alone_is_told_as_such)
     assert_prints(&folder, arguments, "by itself is 25.0 % faster (11.1 to 33.3): use --pair with");
     assert_prints(&folder, "list", "B alone");
     assert_prints(&folder, "list", "by itself is 25.0 % faster");
+    test_store_run(folder.store, "UPDATE profile SET objective = 'energy'");
+    assert_prints(&folder, arguments, "sharing would take 35.3 % more energy (25.0 to 42.9)");
 }
 
 // The store tells two cards of one model not apart, but what shares is no single device.

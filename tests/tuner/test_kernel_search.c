@@ -7,6 +7,7 @@
 #include "tuner/tune.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -207,6 +208,38 @@ static double excess(const fake *f, const char *variant)
     uint8_t config[PARAMS];
     read_config(f, variant, config);
     return time_of(f, config) / least_time(f) - 1;
+}
+
+// What counts is the product of two values, as of the work-items of a group and what each does: a
+// value that is far behind beside one value of the other is the best beside another.
+static void invent_products(fake *f)
+{
+    static const uint32_t n_values[PARAMS] = {4, 3, 1, 1};
+    invent(f, n_values);
+    f->space.now = rng_below(&f->random, f->space.n_configs);
+    double best = 5 * rng_unit(&f->random);
+    for (uint32_t v = 0; v < n_values[0]; ++v)
+        for (uint32_t w = 0; w < n_values[1]; ++w)
+            f->together[0][v][w] = 1 + 0.2 * fabs(v + w - best);
+}
+
+TEST(a_value_far_behind_beside_one_other_may_be_the_best_beside_another)
+{
+    enum { TIMES = 300 };
+    fake f = {.random = rng_seed(test_seed() + 1), .sigma = 0.01};
+    duet_tune_def def = fake_def(&f);
+    uint32_t near = 0, trials = 0;
+    for (int i = 0; i < TIMES; ++i) {
+        trial_log log = {0};
+        invent_products(&f);
+        duet_tune_outcome o = tune_fake(&f, &def, &log);
+        near += excess(&f, o.plan.variant_b) < 0.03;
+        trials += o.trials;
+        trial_log_free(&log);
+    }
+    print_message("near the best %u times of %d, %u trials a tuning\n", near, TIMES,
+                  trials / TIMES);
+    assert_true(near >= TIMES * 95 / 100);
 }
 
 // A search of all configs would launch each of them seven times.
