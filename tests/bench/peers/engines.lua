@@ -1,22 +1,54 @@
 -- SPDX-License-Identifier: MIT
--- Shared by piles.lua and stacks.lua: bodies written for the programs beside this file, and the programs run.
--- A body is { centre, half_extents, rotation, radius, mass, velocity }; pile.h has the format.
+-- Shared by piles.lua, stacks.lua and worlds.lua: bodies written for the programs beside this file, and as a
+-- scene of Duet's, and both run. A body is { centre, half_extents, rotation, radius, mass, velocity,
+-- angular_velocity }; pile.h has the format.
+local duet = require "duet"
 local engines = {}
 
 local function row(...) return ("%.9g "):rep(select("#", ...)):format(...) .. "\n" end
+local none = { 0, 0, 0 }
 
--- `def` holds dt, substeps, gravity, friction, sleep, and lower and upper if there are walls.
+-- `def` holds dt, substeps, gravity, friction; and restitution, sleep, continuous, settled, churn, and lower and
+-- upper if there are walls.
 function engines.write(path, bodies, def)
   local file = assert(io.open(path, "w"))
-  local lower, upper = def.lower or { 0, 0, 0 }, def.upper or { 0, 0, 0 }
-  file:write(("%d %d %.9g %.9g %.9g %d %d "):format(#bodies, def.substeps, def.dt, def.gravity, def.friction,
-    def.sleep and 1 or 0, def.lower and 1 or 0), row(lower[1], lower[2], lower[3], upper[1], upper[2], upper[3]))
+  local lower, upper = def.lower or none, def.upper or none
+  file:write(("%d %d %.9g %.9g %.9g %.9g %d %d %d %d %d "):format(#bodies, def.substeps, def.dt, def.gravity,
+    def.friction, def.restitution or 0, def.sleep and 1 or 0, def.lower and 1 or 0, def.continuous and 1 or 0,
+    def.settled or 0, def.churn or 0), row(lower[1], lower[2], lower[3], upper[1], upper[2], upper[3]))
   for _, b in ipairs(bodies) do
-    local c, h, q, v = b.centre, b.half_extents, b.rotation or { 0, 0, 0, 1 }, b.velocity or { 0, 0, 0 }
+    local c, h, q, v, w = b.centre, b.half_extents, b.rotation or { 0, 0, 0, 1 }, b.velocity or none,
+      b.angular_velocity or none
     file:write(row(c[1], c[2], c[3], h[1], h[2], h[3], q[1], q[2], q[3], q[4], b.radius or 0, b.mass,
-      v[1], v[2], v[3]))
+      v[1], v[2], v[3], w[1], w[2], w[3]))
   end
   assert(file:close())
+end
+
+-- The same bodies as a scene; def.wants names effects besides.
+function engines.scene(bodies, def)
+  local path = os.tmpname() .. ".lua"
+  local file = assert(io.open(path, "w"))
+  for _, b in ipairs(bodies) do
+    local c, h, q, v, w = b.centre, b.half_extents, b.rotation or { 0, 0, 0, 1 }, b.velocity or none,
+      b.angular_velocity or none
+    file:write(("add { centre = { %.17g, %.17g, %.17g }, half_extents = { %.17g, %.17g, %.17g }, "
+      .. "rotation = { %.17g, %.17g, %.17g, %.17g }, %smass = %.17g, friction = %.17g, "
+      .. "restitution = %.17g, velocity = { %.17g, %.17g, %.17g }, angular_velocity = { %.17g, %.17g, %.17g } }\n")
+      :format(c[1], c[2], c[3], h[1], h[2], h[3], q[1], q[2], q[3], q[4],
+        b.radius and ("radius = %.17g, "):format(b.radius) or "", b.mass, def.friction,
+        def.restitution or 0, v[1], v[2], v[3], w[1], w[2], w[3]))
+  end
+  local wants = { '"contact_response"' }
+  for _, name in ipairs(def.wants or {}) do wants[#wants + 1] = ('"%s"'):format(name) end
+  if def.sleep then wants[#wants + 1] = '"sleep"' end
+  if def.continuous then wants[#wants + 1] = '"continuous"' end
+  file:write(("return { dims = 3, gravity = { 0, 0, %.17g }, wants = { %s }, %s }\n"):format(def.gravity,
+    table.concat(wants, ", "), def.sleep and "skin = 0.05, sleep_speed = 0.05" or ""))
+  assert(file:close())
+  local scene = assert(duet.scene(path))
+  os.remove(path)
+  return scene
 end
 
 -- The engines that were built: those whose program is in `dir`.
@@ -33,13 +65,15 @@ function engines.built(dir)
   return found
 end
 
--- Returns the engine's name, ms of processor time a step, bodies awake at the end, and for every `every`
--- steps, and the last, an array of rows: centre, half extents and quaternion of each body.
-function engines.run(program, pile, n, steps, every)
+-- Returns the engine's name, ms of processor time and of the clock a step, bodies awake at the end, and for
+-- every `every` steps, and the last, an array of rows: centre, half extents, quaternion, velocity and angular
+-- velocity of each body. Without a name the engine failed, as one that lacks a shape does, or took more than
+-- `seconds`, if these are given.
+function engines.run(program, pile, n, steps, every, seconds)
   local states = os.tmpname()
-  local out <close> = assert(io.popen(("%s %s %s %d %d"):format(program, pile, states, steps, every)))
-  local name, ms, awake = (out:read "l" or ""):match "^(.*)\t(.*)\t(.*)$"
-  if not name then error(program .. " told no time", 0) end
+  local limit = seconds and ("timeout %d "):format(seconds) or ""
+  local out <close> = assert(io.popen(("%s%s %s %s %d %d"):format(limit, program, pile, states, steps, every)))
+  local name, ms, wall, awake = (out:read "l" or ""):match "^(.*)\t(.*)\t(.*)\t(.*)$"
   local frames = {}
   for line in io.lines(states) do
     local frame = frames[#frames]
@@ -52,7 +86,7 @@ function engines.run(program, pile, n, steps, every)
     frame[#frame + 1] = numbers
   end
   os.remove(states)
-  return name, tonumber(ms), tonumber(awake), frames
+  return name, tonumber(ms), tonumber(wall), tonumber(awake), frames
 end
 
 return engines

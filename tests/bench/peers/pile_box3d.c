@@ -9,7 +9,7 @@ enum { PI_TIMES_1E6 = 3141593 };
 
 typedef struct world {
     b3WorldId id;
-    float friction;
+    const pile *p;
     b3BodyId *bodies;
 } world;
 
@@ -25,11 +25,11 @@ static float volume(const pile_body *b)
 static void add_shape(b3BodyId id, const b3ShapeDef *def, const pile_body *b)
 {
     const float *h = b->half;
-    bool ball = h[0] + h[1] + h[2] == 0;
+    pile_need(!pile_is_rounded_box(b), "Box3D has no rounded boxes");
     if (b->radius == 0) {
         b3BoxHull hull = b3MakeBoxHull(h[0], h[1], h[2]);
         b3CreateHullShape(id, def, &hull.base);
-    } else if (ball) {
+    } else if (pile_is_ball(b)) {
         b3CreateSphereShape(id, def, &(b3Sphere){{0, 0, 0}, b->radius});
     } else {
         b3CreateCapsuleShape(id, def,
@@ -45,9 +45,11 @@ static b3BodyId add(const world *w, const pile_body *b)
     body.position = (b3Pos){b->centre[0], b->centre[1], b->centre[2]};
     body.linearVelocity = (b3Vec3){b->velocity[0], b->velocity[1], b->velocity[2]};
     memcpy(&body.rotation, b->rotation, sizeof b->rotation);
+    body.angularVelocity = (b3Vec3){b->spin[0], b->spin[1], b->spin[2]};
+    body.isBullet = w->p->continuous && b->mass > 0;
     shape.density = b->mass / volume(b);
-    shape.baseMaterial.friction = w->friction;
-    shape.baseMaterial.restitution = 0;
+    shape.baseMaterial.friction = w->p->friction;
+    shape.baseMaterial.restitution = w->p->restitution;
     b3BodyId id = b3CreateBody(w->id, &body);
     add_shape(id, &shape, b);
     return id;
@@ -69,11 +71,21 @@ static void read(void *w, pile *p)
         b3BodyId id = ((world *)w)->bodies[i];
         b3Pos at = b3Body_GetPosition(id);
         b3Quat q = b3Body_GetRotation(id);
+        b3Vec3 v = b3Body_GetLinearVelocity(id), s = b3Body_GetAngularVelocity(id);
         p->bodies[i].centre[0] = (float)at.x;
         p->bodies[i].centre[1] = (float)at.y;
         p->bodies[i].centre[2] = (float)at.z;
         memcpy(p->bodies[i].rotation, &q, sizeof q);
+        memcpy(p->bodies[i].velocity, &v, sizeof v);
+        memcpy(p->bodies[i].spin, &s, sizeof s);
     }
+}
+
+static void renew(void *world_, const pile *p, unsigned i)
+{
+    world *w = world_;
+    b3DestroyBody(w->bodies[i]);
+    w->bodies[i] = add(w, p->given + i);
 }
 
 int main(int argc, char **argv)
@@ -83,12 +95,12 @@ int main(int argc, char **argv)
     def.gravity = (b3Vec3){0, 0, p.gravity};
     def.workerCount = 1;
     def.enableSleep = p.sleep;
-    world w = {b3CreateWorld(&def), p.friction, malloc(p.n * sizeof *w.bodies)};
+    world w = {b3CreateWorld(&def), &p, malloc(p.n * sizeof *w.bodies)};
     pile_each_wall(&p, add_wall, &w);
     for (unsigned i = 0; i < p.n; ++i)
         w.bodies[i] = add(&w, p.bodies + i);
 
-    pile_run(&p, step, read, &w);
+    pile_run(&p, &(pile_engine){step, read, renew}, &w);
 
     b3Version v = b3GetVersion();
     char name[64];

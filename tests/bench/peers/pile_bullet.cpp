@@ -16,6 +16,7 @@ struct World {
 btCollisionShape *shape_of(const pile_body *b)
 {
     const float *h = b->half;
+    pile_need(!pile_is_rounded_box(b), "Bullet's boxes collide without their margin");
     if (b->radius == 0)
         return new btBoxShape(btVector3(h[0], h[1], h[2]));
     if (h[0] > 0)
@@ -38,10 +39,16 @@ btRigidBody *add(World *w, const pile_body *b)
     info.m_startWorldTransform =
         btTransform(btQuaternion(q[0], q[1], q[2], q[3]).normalized(), btVector3(c[0], c[1], c[2]));
     info.m_friction = btSqrt(w->p->friction); // Bullet multiplies the two
-    info.m_restitution = 0;
+    info.m_restitution = btSqrt(w->p->restitution);
     auto *body = new btRigidBody(info);
-    if (b->mass > 0)
+    if (b->mass > 0) {
         body->setLinearVelocity(btVector3(v[0], v[1], v[2]));
+        body->setAngularVelocity(btVector3(b->spin[0], b->spin[1], b->spin[2]));
+    }
+    if (w->p->continuous && pile_is_ball(b)) {
+        body->setCcdMotionThreshold(b->radius);
+        body->setCcdSweptSphereRadius(0.8f * b->radius);
+    }
     if (!w->p->sleep)
         body->setActivationState(DISABLE_DEACTIVATION);
     w->dynamics->addRigidBody(body);
@@ -63,11 +70,25 @@ void read(void *w, pile *p)
     for (unsigned i = 0; i < p->n; ++i) {
         const btTransform &at = static_cast<World *>(w)->bodies[i]->getWorldTransform();
         btQuaternion q = at.getRotation();
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3; ++k) {
+            const btRigidBody *body = static_cast<World *>(w)->bodies[i];
             p->bodies[i].centre[k] = static_cast<float>(at.getOrigin()[k]);
+            p->bodies[i].velocity[k] = static_cast<float>(body->getLinearVelocity()[k]);
+            p->bodies[i].spin[k] = static_cast<float>(body->getAngularVelocity()[k]);
+        }
         for (int k = 0; k < 4; ++k)
             p->bodies[i].rotation[k] = static_cast<float>(q[k]);
     }
+}
+
+void renew(void *world, const pile *p, unsigned i)
+{
+    auto *w = static_cast<World *>(world);
+    btRigidBody *body = w->bodies[i];
+    w->dynamics->removeRigidBody(body);
+    delete body->getCollisionShape();
+    delete body;
+    w->bodies[i] = add(w, p->given + i);
 }
 } // namespace
 
@@ -85,7 +106,8 @@ int main(int argc, char **argv)
     for (unsigned i = 0; i < p.n; ++i)
         w.bodies.push_back(add(&w, p.bodies + i));
 
-    pile_run(&p, step, read, &w);
+    const pile_engine engine = {step, read, renew};
+    pile_run(&p, &engine, &w);
 
     unsigned awake = 0;
     for (unsigned i = 0; i < p.n; ++i)

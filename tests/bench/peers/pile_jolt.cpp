@@ -63,6 +63,8 @@ JPH::Ref<JPH::Shape> shape_of(const pile_body *b)
         float least = std::min({h[0], h[1], h[2]});
         return new BoxShape(Vec3(h[0], h[1], h[2]), std::min(cDefaultConvexRadius, 0.5f * least));
     }
+    if (pile_is_rounded_box(b))
+        return new BoxShape(Vec3(h[0], h[1], h[2]) + Vec3::sReplicate(b->radius), b->radius);
     float length = h[0] + h[1] + h[2];
     if (length == 0)
         return new SphereShape(b->radius);
@@ -80,7 +82,11 @@ JPH::BodyID add(World *w, const pile_body *b)
         shape_of(b), RVec3(c[0], c[1], c[2]), Quat(q[0], q[1], q[2], q[3]).Normalized(),
         moves ? EMotionType::Dynamic : EMotionType::Static, moves ? moving : still);
     body.mFriction = w->p->friction;
-    body.mRestitution = 0;
+    body.mRestitution = w->p->restitution;
+    body.mAngularVelocity = Vec3(b->spin[0], b->spin[1], b->spin[2]);
+    body.mMaxAngularVelocity = 1e3f;
+    if (w->p->continuous)
+        body.mMotionQuality = EMotionQuality::LinearCast;
     body.mLinearDamping = body.mAngularDamping = 0;
     body.mLinearVelocity = Vec3(v[0], v[1], v[2]);
     body.mAllowSleeping = w->p->sleep;
@@ -108,11 +114,24 @@ void read(void *world, pile *p)
     for (unsigned i = 0; i < p->n; ++i) {
         JPH::RVec3 at = w->system->GetBodyInterface().GetCenterOfMassPosition(w->ids[i]);
         JPH::Quat q = w->system->GetBodyInterface().GetRotation(w->ids[i]);
-        for (unsigned k = 0; k < 3; ++k)
+        JPH::Vec3 v, s;
+        w->system->GetBodyInterface().GetLinearAndAngularVelocity(w->ids[i], v, s);
+        for (unsigned k = 0; k < 3; ++k) {
             p->bodies[i].centre[k] = static_cast<float>(at[k]);
+            p->bodies[i].velocity[k] = v[k];
+            p->bodies[i].spin[k] = s[k];
+        }
         for (unsigned k = 0; k < 4; ++k)
             p->bodies[i].rotation[k] = q.GetXYZW()[k];
     }
+}
+
+void renew(void *world, const pile *p, unsigned i)
+{
+    auto *w = static_cast<World *>(world);
+    w->system->GetBodyInterface().RemoveBody(w->ids[i]);
+    w->system->GetBodyInterface().DestroyBody(w->ids[i]);
+    w->ids[i] = add(w, p->given + i);
 }
 } // namespace
 
@@ -137,7 +156,8 @@ int main(int argc, char **argv)
         w.ids.push_back(add(&w, p.bodies + i));
     system.OptimizeBroadPhase();
 
-    pile_run(&p, step, read, &w);
+    const pile_engine engine = {step, read, renew};
+    pile_run(&p, &engine, &w);
 
     char name[64];
     snprintf(name, sizeof name, "Jolt %d.%d.%d", JPH_VERSION_MAJOR, JPH_VERSION_MINOR,

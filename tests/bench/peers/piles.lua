@@ -1,16 +1,16 @@
 -- SPDX-License-Identifier: MIT
 -- Piles in Duet and in other engines, one after the other:
 --
---     duet lua --trust tests/bench/peers/piles.lua DIR N STEPS ROUNDS
+--     duet lua --trust tests/bench/peers/piles.lua DIR N STEPS ROUNDS [ENGINE]
 --
--- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built
--- are left out. Prints for each engine the processor time of a step in ms, the median of ROUNDS; how
--- many boxes are awake after the last; and then, in m, how deep the deepest two boxes are in each
--- other, and a box in the floor. One judge of all: the separation of two boxes along the best of 15
--- axes, in double.
+-- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built are left out.
+-- ENGINE is duet, box3d, jolt or bullet, and all by default. Prints for each engine the processor time of a step
+-- in ms, the median of ROUNDS; how many boxes are awake after the last; and then, in m, how deep the deepest two
+-- boxes are in each other, and a box in the floor. One judge of all: the separation of two boxes along the best
+-- of 15 axes, in double.
 local duet = require "duet"
 
-local dir, n, steps, rounds = arg[1], arg[2] or 5000, arg[3] or 600, arg[4] or 3
+local dir, n, steps, rounds, only = arg[1], arg[2] or 5000, arg[3] or 600, arg[4] or 3, arg[5] or "all"
 if not dir then error("give the folder of the engines' programs", 0) end
 n, steps, rounds = tonumber(n) // 1 | 0, tonumber(steps) // 1 | 0, tonumber(rounds) // 1 | 0
 
@@ -48,9 +48,10 @@ local function run_duet()
 end
 
 local function run_other(program)
-  local name, ms, awake, frames = engines.run(program, pile, n, steps, steps)
+  local name, ms, _, awake, frames = engines.run(program, pile, n, steps, steps)
+  if not name then error(program .. " told no time", 0) end
   local poses = duet.poses(n)
-  for i, row in ipairs(frames[#frames]) do poses:set(i - 1, table.unpack(row)) end
+  for i, row in ipairs(frames[#frames]) do poses:set(i - 1, table.unpack(row, 1, 10)) end
   return ms, awake, poses, name
 end
 
@@ -73,9 +74,11 @@ do -- kernels are built before the clock runs
   local motion <close> = assert(device:motion(scene, { dt = dt, substeps = substeps }))
   assert(motion:advance())
 end
-local runs = { { name = "Duet " .. duet.version, run = run_duet } }
+local runs = (only == "all" or only == "duet") and { { name = "Duet " .. duet.version, run = run_duet } } or {}
 for _, program in ipairs(engines.built(dir)) do
-  runs[#runs + 1] = { run = function() return run_other(program) end }
+  if only == "all" or program:match "[^_]*$" == only then
+    runs[#runs + 1] = { run = function() return run_other(program) end }
+  end
 end
 for _ = 1, rounds do
   for _, engine in ipairs(runs) do

@@ -1,15 +1,16 @@
 -- SPDX-License-Identifier: MIT
 -- Stacks that should stand and seams that nothing should trip over, in Duet and in other engines:
 --
---     duet lua --trust tests/bench/peers/stacks.lua DIR
+--     duet lua --trust tests/bench/peers/stacks.lua DIR [ENGINE]
 --
--- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built are
--- left out. Each engine uses the substeps that it would by default. Prints for each scene and engine
--- ms of processor time a step; then for a stack how many bodies fell (by 0.9 of their height or more) and
--- when the first did, and for a seam the part of its speed that the body keeps and how high it hops in mm.
+-- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built are left out.
+-- ENGINE is duet, box3d, jolt or bullet, and all by default. Each engine uses the substeps that it would by
+-- default. Prints for each scene and engine ms of processor time a step; then for a stack how many bodies fell
+-- (by 0.9 of their height or more) and when the first did, and for a seam the part of its speed that the body
+-- keeps and how high it hops in mm.
 local duet = require "duet"
 
-local dir = arg[1]
+local dir, only = arg[1], arg[2] or "all"
 if not dir then error("give the folder of the engines' programs", 0) end
 local engines = dofile(arg[0]:match "^(.-)[^/]*$" .. "engines.lua")
 local device = assert(duet.device_pair { a = "cpu", b = "cpu" })
@@ -110,24 +111,9 @@ end
 scenes[#scenes + 1] = { name = "capsule over tiles, 5 m/s", seam = 5, friction = 0,
   bodies = tiles(5, { half_extents = { 0, 0.3, 0 } }), seconds = 11 }
 
-local function as_scene(def)
-  local path = os.tmpname() .. ".lua"
-  local file = assert(io.open(path, "w"))
-  for _, b in ipairs(def.bodies) do
-    local c, h, v = b.centre, b.half_extents, b.velocity or { 0, 0, 0 }
-    file:write(("add { centre = { %.17g, %.17g, %.17g }, half_extents = { %.17g, %.17g, %.17g }, radius = %.17g, "
-      .. "mass = %.17g, friction = %.17g, velocity = { %.17g, %.17g, %.17g } }\n"):format(c[1], c[2], c[3],
-      h[1], h[2], h[3], b.radius or 0, b.mass, def.friction or 0.5, v[1], v[2], v[3]))
-  end
-  file:write(('return { dims = 3, gravity = { 0, 0, %g }, wants = { "contact_response" } }\n'):format(gravity))
-  assert(file:close())
-  local scene = assert(duet.scene(path))
-  os.remove(path)
-  return scene
-end
-
 local function run_duet(def)
-  local motion <close> = assert(device:motion(as_scene(def), { dt = dt }))
+  local scene = engines.scene(def.bodies, { gravity = gravity, friction = def.friction or 0.5 })
+  local motion <close> = assert(device:motion(scene, { dt = dt }))
   local steps, frames, seconds = def.steps, {}, 0
   for step = 1, steps do
     local begun = os.clock()
@@ -142,7 +128,7 @@ local function run_duet(def)
       frames[#frames + 1] = frame
     end
   end
-  return "Duet " .. duet.version, seconds * 1e3 / steps, 0, frames
+  return "Duet " .. duet.version, seconds * 1e3 / steps, 0, 0, frames
 end
 
 local function fallen(def, frames)
@@ -170,16 +156,19 @@ local function tripped(def, frames)
   return ("keeps %.3f, hops %.1f mm"):format(last / def.seam, height * 1e3)
 end
 
-local runs = { run_duet }
+local runs = (only == "all" or only == "duet") and { run_duet } or {}
 for _, program in ipairs(engines.built(dir)) do
-  runs[#runs + 1] = function(def) return engines.run(program, pile, #def.bodies, def.steps, every) end
+  if only == "all" or program:match "[^_]*$" == only then
+    runs[#runs + 1] = function(def) return engines.run(program, pile, #def.bodies, def.steps, every) end
+  end
 end
 for _, def in ipairs(scenes) do
   print(def.name)
   def.steps = math.ceil(def.seconds / dt / every) * every
   engines.write(pile, def.bodies, { dt = dt, substeps = 4, gravity = gravity, friction = def.friction or 0.5 })
   for _, run in ipairs(runs) do
-    local name, ms, _, frames = run(def)
+    local name, ms, _, _, frames = run(def)
+    if not name then error("an engine failed", 0) end
     print(("  %-14s %8.3f ms  %s"):format(name, ms, def.seam and tripped(def, frames) or fallen(def, frames)))
   end
 end
