@@ -262,7 +262,8 @@ bool domain_begin_bodies(duet_motion *m, const duet_pose *poses, const duet_body
 
 // ---------------------------------------------------------------- replaced bodies
 
-// Rows by object that last from step to step; a step makes the others.
+// Rows by object that last from step to step; a step makes the others. Long ones come first: each
+// moves to the memory that the one before it left.
 static const motion_buffer lasting[] = {FAR_BOXES,
                                         CENTRES,
                                         CELLS,
@@ -271,12 +272,12 @@ static const motion_buffer lasting[] = {FAR_BOXES,
                                         ANGULAR_VELOCITIES,
                                         INERTIAS,
                                         HALVES,
+                                        SURFACE_VELOCITIES,
+                                        FILTERS,
                                         RESTITUTIONS,
                                         FRICTIONS,
                                         ROLLING_RESISTANCES,
-                                        SURFACE_VELOCITIES,
                                         MATERIALS_OF,
-                                        FILTERS,
                                         SENSORS,
                                         RESTS,
                                         ASLEEP};
