@@ -75,7 +75,7 @@ static void write_progress(const tune_report *r, const duet_tune_progress *p, te
     text_add(shown, "%u/%u %.22s: %s", r->number, r->n_workloads, r->name,
              p->waiting ? p->waiting : p->stage);
     if (p->waiting) {
-        text_add(shown, "; waiting, Ctrl-C keeps what was measured");
+        text_add(shown, "; waiting: Ctrl-C, and --wait 0 does not");
         return;
     }
     if (p->trials == 0) {
@@ -97,7 +97,7 @@ static void write_progress(const tune_report *r, const duet_tune_progress *p, te
 static void log_waiting(tune_report *r, const duet_tune_progress *p)
 {
     if (p->waiting && !r->waits)
-        fprintf(stderr, "%.22s: %s; waiting\n", r->name, p->waiting);
+        fprintf(stderr, "%.22s: %s; waiting: --wait 0 does not\n", r->name, p->waiting);
     r->waits = p->waiting;
 }
 
