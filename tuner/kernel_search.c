@@ -54,8 +54,8 @@ static uint32_t list_rivals(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALU
     return n;
 }
 
-// Of few configs those that were not met either: the best of them may differ in several values from
-// any that was raced.
+// Lists those of few configs that were not met either: the best of them may differ in several
+// values from any that was raced.
 static uint32_t list_left(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES])
 {
     uint32_t n = 1;

@@ -13,8 +13,8 @@ static const double BEHIND = 1.07;        // in times of the fastest
 static const double TRIALS_A_VALUE = 2.6; // trials per value of a parameter, on invented kernels
 static const double WORTH_SEARCH = 0.03;  // a kernel that takes so much of its device's time
 
-// Where times scatter by a tenth, no race of so few rounds is 99 % sure of a gain of a tenth. A
-// wrong choice costs no more than a right one gains, and both single devices are measured with it.
+// No race of so few rounds is 99 % sure of a gain of a tenth if times scatter by as much. A wrong
+// choice costs no more than a right one gains, and both single devices are measured with it.
 static const race_options confirmation = {
     .least_rounds = 8, .most_rounds = 16, .confidence = 0.8, .dropped = 1.02, .margin = 0.02};
 

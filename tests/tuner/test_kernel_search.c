@@ -210,7 +210,7 @@ static double excess(const fake *f, const char *variant)
     return time_of(f, config) / least_time(f) - 1;
 }
 
-// What counts is the product of two values, as of the work-items of a group and what each does: a
+// The product of two values counts, as of the work-items of a group and what each does: a
 // value that is far behind beside one value of the other is the best beside another.
 static void invent_products(fake *f)
 {
