@@ -279,9 +279,9 @@ static inline uint sum_of(volatile __global const uint *values, uint2 range)
 }
 
 // Makes of a part's values the sums of those before each.
-static inline void add_before(volatile __global uint *values, volatile __global const uint *sums, uint part, uint2 range)
+static inline void add_before(volatile __global uint *values, volatile __global const uint *sums, uint place, uint2 range)
 {
-    uint sum = sum_of(sums, (uint2)(0, part));
+    uint sum = sum_of(sums, (uint2)(0, place));
     for (uint i = range.x; i < range.y; ++i) {
         uint value = values[i];
         values[i] = sum;
@@ -318,6 +318,7 @@ static inline void make_part(const graph *g, uint stage, const team_member *t, u
     const uint fill = stage == ROWS_PUT;
     uint2 of_counts = range_of(t, part, g->n + 1), of_bodies = range_of(t, part, g->n);
     volatile __global uint *sums = t->words + TEAM_SUMS;
+    const uint place = place_of(t, part);
     if (stage == ROWS_CLEAR)
         clear_counts(counts, of_counts);
     if (reverse && (stage == ROWS_COUNT || fill))
@@ -325,9 +326,9 @@ static inline void make_part(const graph *g, uint stage, const team_member *t, u
     if (!reverse && (stage == ROWS_COUNT || fill))
         put_part(g, fill, t, part);
     if (stage == ROWS_SUM)
-        sums[part] = sum_of(counts, of_counts);
+        sums[place] = sum_of(counts, of_counts);
     if (stage == ROWS_START)
-        add_before(counts, sums, part, of_counts);
+        add_before(counts, sums, place, of_counts);
     if (stage == ROWS_SORT)
         sort_rows(counts, values, of_bodies.x, of_bodies.y);
 }

@@ -62,6 +62,16 @@ static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint
     return ok;
 }
 
+// By groups that meet, all at once.
+static bool choose_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
+{
+    const kernel *k = m->kernels.colour_rounds;
+    if (!k)
+        return run_rounds(m, m->kernels.graph_colour_choose, from, to, err);
+    return from == to ||
+           team_launch(m, "graph_colour", k, m->awake.n_bodies, k->group, 0, err);
+}
+
 // Makes space for the blocks of colours that have been laid out.
 static bool use_colours(duet_motion *m, duet_error *err)
 {
@@ -81,8 +91,7 @@ static bool list_colours(duet_motion *m, duet_error *err)
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) &&
-             sort_colours(m, err);
+        ok = ok && choose_colours(m, from, to, err) && sort_colours(m, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
