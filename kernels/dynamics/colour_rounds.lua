@@ -5,7 +5,8 @@ return {
     "dynamics/colour_choice.clh", "dynamics/colouring.clh", "dynamics/meet.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE, common.SLEEP,
-    { "WG", values = { 1, 64, 256, 512 }, default = function(limits) return limits.cpu and 1 or math.min(512, limits.max_group) end,
+    { "WG", values = { 1, 64, 128, 256, 512 },
+      default = function(limits) return limits.cpu and 1 or math.min(512, limits.max_group) end,
       about = "work-items a group" },
     { "PER_ITEM", values = { 1 }, default = 1, about = "bodies a work-item at least" },
   },
