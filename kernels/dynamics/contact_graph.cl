@@ -16,19 +16,27 @@ typedef struct {
     ARG_FIELDS
 } graph;
 
-static inline void count_or_put(volatile __global uint *starts, __global uint *row_values, uint row, uint value, uint fill)
+// Where contacts go: rows that are counted in `starts`, which a scan sums, and then written to `values`; by a team
+// (row_buckets.clh) first buckets of rows, each with its next place.
+typedef struct {
+    uint fill; // 0: counts, 1: writes
+    volatile __global uint *starts;
+    __global uint *values;
+    uint *places; // of each bucket; NULL: rows
+    uint shift;
+    __global uint *rows;
+} row_sink;
+
+static inline void put_in_row(const row_sink *to, uint row, uint value)
 {
-    uint at = atomic_inc(starts + row + 1);
-    if (fill)
-        row_values[at] = value;
+    uint at = to->places ? to->places[row >> to->shift]++ : atomic_inc(to->starts + row + 1);
+    if (to->fill)
+        to->values[at] = value;
+    if (to->fill && to->places)
+        to->rows[at] = row;
 }
 
-static inline void put_contact(const graph *g, uint fill, uint owner, uint other)
-{
-    count_or_put(g->starts, g->others, owner, other, fill);
-}
-
-static inline void put_pair(const graph *g, uint fill, uint a, uint b)
+static inline void put_pair(const graph *g, const row_sink *to, uint a, uint b)
 {
 #if FILTER
     uint2 filter_a = g->filters[a], filter_b = g->filters[b]; // group, mask
@@ -41,33 +49,34 @@ static inline void put_pair(const graph *g, uint fill, uint a, uint b)
 #endif
     bool moves_a = g->velocities[a].w > 0, moves_b = g->velocities[b].w > 0;
     if (moves_a)
-        put_contact(g, fill, a, b);
+        put_in_row(to, a, b);
     else if (moves_b)
-        put_contact(g, fill, b, a);
+        put_in_row(to, b, a);
 #if SENSORS
     else if (g->sensors[a] > 0.0f)
-        put_contact(g, fill, a, b);
+        put_in_row(to, a, b);
     else if (g->sensors[b] > 0.0f)
-        put_contact(g, fill, b, a);
+        put_in_row(to, b, a);
 #endif
 }
 
-static inline void put_pairs(const graph *g, uint fill, uint first, uint last)
+static inline void put_pairs(const graph *g, const row_sink *to, uint first, uint last)
 {
     for (uint i = first; i < last; ++i)
-        put_pair(g, fill, min(g->pairs[i].x, g->pairs[i].y), max(g->pairs[i].x, g->pairs[i].y));
+        put_pair(g, to, min(g->pairs[i].x, g->pairs[i].y), max(g->pairs[i].x, g->pairs[i].y));
 }
 
 __kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
 {
     const graph g = {CONTACT_GRAPH_PAIRS_VALUES};
+    const row_sink to = {.fill = fill, .starts = starts, .values = others};
     uint first = get_global_id(0) * PER_ITEM;
-    put_pairs(&g, fill, first, min(first + PER_ITEM, n_pairs));
+    put_pairs(&g, &to, first, min(first + PER_ITEM, n_pairs));
 }
 #if BOUNDARY
 
 // Walls 2 k and 2 k + 1 are the lower and the upper one of axis k.
-static inline void put_walls(const graph *g, uint fill, uint first, uint last)
+static inline void put_walls(const graph *g, const row_sink *to, uint first, uint last)
 {
     const real wall[6] = {g->lower.x, g->upper.x, g->lower.y, g->upper.y, g->lower.z, g->upper.z};
     for (uint id = first; id < last; ++id) {
@@ -80,9 +89,9 @@ static inline void put_walls(const graph *g, uint fill, uint first, uint last)
         __global const float *box = g->boxes + 6 * (size_t)id;
         for (uint k = 0; k < DIMS; ++k) {
             if (box[k] < wall[2 * k])
-                put_contact(g, fill, id, g->n + 2 * k);
+                put_in_row(to, id, g->n + 2 * k);
             if (box[3 + k] > wall[2 * k + 1])
-                put_contact(g, fill, id, g->n + 2 * k + 1);
+                put_in_row(to, id, g->n + 2 * k + 1);
         }
     }
 }
@@ -90,8 +99,9 @@ static inline void put_walls(const graph *g, uint fill, uint first, uint last)
 __kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
 {
     const graph g = {CONTACT_GRAPH_WALLS_VALUES};
+    const row_sink to = {.fill = fill, .starts = starts, .values = others};
     uint first = get_global_id(0) * PER_ITEM;
-    put_walls(&g, fill, first, min(first + PER_ITEM, n));
+    put_walls(&g, &to, first, min(first + PER_ITEM, n));
 }
 #endif
 //@ if GROUND == 1 then
@@ -157,7 +167,7 @@ static inline bool meets_ground(__global const float *box, real4 origin, __globa
 //@ end
 //@ if GROUND > 0 then
 
-static inline void put_ground(const graph *g, uint fill, uint first, uint last)
+static inline void put_ground(const graph *g, const row_sink *to, uint first, uint last)
 {
     for (uint id = first; id < last; ++id) {
         if (!(g->velocities[id].w > 0))
@@ -168,15 +178,16 @@ static inline void put_ground(const graph *g, uint fill, uint first, uint last)
 #endif
         if (meets_ground(g->boxes + 6 * (size_t)id, g->ground_origin, GROUND_SHAPE(g), g->contact_margin))
             for (uint k = 0; k < GROUND_CONTACTS; ++k)
-                put_contact(g, fill, id, g->n + AT_GROUND + k);
+                put_in_row(to, id, g->n + AT_GROUND + k);
     }
 }
 
 __kernel void contact_graph_ground(CONTACT_GRAPH_GROUND_ARGS)
 {
     const graph g = {CONTACT_GRAPH_GROUND_VALUES};
+    const row_sink to = {.fill = fill, .starts = starts, .values = others};
     uint first = get_global_id(0) * PER_ITEM;
-    put_ground(&g, fill, first, min(first + PER_ITEM, n));
+    put_ground(&g, &to, first, min(first + PER_ITEM, n));
 }
 //@ end
 
@@ -217,30 +228,28 @@ static inline void insertion_sort(__global uint *values, uint n)
     }
 }
 
-static inline void sort_rows(volatile __global const uint *row_starts, __global uint *row_values, uint first, uint last)
+static inline void sort_row(__global uint *values, uint n)
 {
-    for (uint row = first; row < last; ++row) {
-        uint start = row_starts[row], size = row_starts[row + 1] - start;
-        if (size > 32)
-            heap_sort(row_values + start, size);
-        else
-            insertion_sort(row_values + start, size);
-    }
+    if (n > 32)
+        heap_sort(values, n);
+    else
+        insertion_sort(values, n);
 }
 
 __kernel void contact_graph_sort(CONTACT_GRAPH_SORT_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
-    sort_rows(row_starts, row_values, first, min(first + PER_ITEM, n));
+    for (uint row = first; row < min(first + PER_ITEM, n); ++row)
+        sort_row(row_values + row_starts[row], row_starts[row + 1] - row_starts[row]);
 }
 
 // The contacts of rows are links (fill 0).
-static inline void put_returns(const graph *g, uint fill, uint first, uint last)
+static inline void put_returns(const graph *g, const row_sink *to, uint first, uint last)
 {
     for (uint row = first; row < last; ++row) {
         for (uint i = g->starts[row]; i < g->starts[row + 1]; ++i) {
             uint other = g->others[i];
-            if (!fill) {
+            if (!to->fill) {
                 g->links[i] = (uint2)(row, other);
                 g->touches[i] = 0;
 #if CONTACT_RESPONSE
@@ -248,7 +257,7 @@ static inline void put_returns(const graph *g, uint fill, uint first, uint last)
 #endif
             }
             if (other < g->n && g->velocities[other].w > 0)
-                count_or_put(g->return_starts, g->returns, other, i, fill);
+                put_in_row(to, other, i);
         }
     }
 }
@@ -256,104 +265,154 @@ static inline void put_returns(const graph *g, uint fill, uint first, uint last)
 __kernel void contact_graph_reverse(CONTACT_GRAPH_REVERSE_ARGS)
 {
     const graph g = {CONTACT_GRAPH_REVERSE_VALUES};
+    const row_sink to = {.fill = fill, .starts = return_starts, .values = returns};
     uint first = get_global_id(0) * PER_ITEM;
-    put_returns(&g, fill, first, min(first + PER_ITEM, n));
+    put_returns(&g, &to, first, min(first + PER_ITEM, n));
 }
 
 // ------------------------------------------------------------ by a team
 
 #if TEAM
 
-static inline void clear_counts(volatile __global uint *counts, uint2 range)
+// Makes sorted rows of contacts in three stages, whose groups write to no line of another: each part counts what it
+// finds by buckets, which are rows that follow each other; then it writes that to its places in each bucket; then each
+// bucket's rows are made of what lies there.
+//
+//   row_counts   [parts][ROW_BUCKETS], and then where each bucket begins, and the last one ends
+//   entry_rows, entry_values  by bucket
+//   each         parts of a group
+typedef struct {
+    uint parts, n_rows, shift;
+    __global uint *counts, *begins;
+    row_sink to; // entries
+} bucket_maker;
+
+static inline bucket_maker make_buckets(const team_member *t, uint each, uint n_rows, __global uint *counts,
+                                        __global uint *entry_rows, __global uint *entry_values)
 {
-    for (uint i = range.x; i < range.y; ++i)
-        counts[i] = 0;
+    bucket_maker m = {.parts = t->groups * each, .n_rows = n_rows, .shift = ROW_LEAST_SHIFT, .counts = counts};
+    while ((n_rows - 1) >> m.shift >= ROW_BUCKETS)
+        ++m.shift;
+    m.begins = counts + m.parts * ROW_BUCKETS;
+    m.to = (row_sink){.shift = m.shift, .values = entry_values, .rows = entry_rows};
+    return m;
 }
 
-static inline uint sum_of(volatile __global const uint *values, uint2 range)
+static inline uint count_buckets(const bucket_maker *m)
 {
-    uint sum = 0;
-    for (uint i = range.x; i < range.y; ++i)
-        sum += values[i];
-    return sum;
+    return ((m->n_rows - 1) >> m->shift) + 1;
 }
 
-// Makes of a part's values the sums of those before each.
-static inline void add_before(volatile __global uint *values, volatile __global const uint *sums, uint part, uint2 range)
+// Begins a part's counts at 0, or its places behind those of lesser buckets and of parts before it.
+static inline void begin_part(bucket_maker *m, uint place, uint fill, uint places[ROW_BUCKETS])
 {
-    uint sum = sum_of(sums, (uint2)(0, part));
-    for (uint i = range.x; i < range.y; ++i) {
-        uint value = values[i];
-        values[i] = sum;
-        sum += value;
+    uint n = count_buckets(m), sum = 0;
+    m->to.fill = fill;
+    m->to.places = places;
+    for (uint b = 0; b < n; ++b) {
+        if (fill && place == 0)
+            m->begins[b] = sum;
+        places[b] = fill ? sum : 0;
+        for (uint q = 0; fill && q < m->parts; ++q) {
+            uint count = m->counts[q * ROW_BUCKETS + b];
+            places[b] += q < place ? count : 0;
+            sum += count;
+        }
+    }
+    if (fill && place == 0)
+        m->begins[n] = sum;
+}
+
+static inline void end_part(const bucket_maker *m, uint place)
+{
+    for (uint b = 0; !m->to.fill && b < count_buckets(m); ++b)
+        m->counts[place * ROW_BUCKETS + b] = m->to.places[b];
+}
+
+// Makes the rows from `from` up to `to` of the entries between x and y.
+static inline void make_bucket(const row_sink *entries, uint2 at, uint from, uint to, volatile __global uint *starts,
+                               __global uint *values)
+{
+    for (uint row = from; row < to; ++row)
+        starts[row] = 0;
+    for (uint k = at.x; k < at.y; ++k)
+        starts[entries->rows[k]] += 1;
+    for (uint row = from, sum = at.x; row < to; ++row) {
+        uint count = starts[row];
+        starts[row] = sum;
+        sum += count;
+    }
+    for (uint k = at.x; k < at.y; ++k) {
+        uint row = entries->rows[k], place = starts[row];
+        starts[row] = place + 1;
+        values[place] = entries->values[k];
+    }
+    for (uint row = from, start = at.x; row < to; ++row) { // a row's start was moved to its end
+        uint end = starts[row];
+        sort_row(values + start, end - start);
+        starts[row] = start;
+        start = end;
     }
 }
 
-static inline void put_part(const graph *g, uint fill, const team_member *t, uint part)
+static inline void make_rows_of(const bucket_maker *m, uint2 range, volatile __global uint *starts, __global uint *values)
 {
-    uint2 of_pairs = range_of(t, part, g->n_pairs), of_bodies = range_of(t, part, g->n);
-    put_pairs(g, fill, of_pairs.x, of_pairs.y);
-#if BOUNDARY
-    put_walls(g, fill, of_bodies.x, of_bodies.y);
-#endif
-#if GROUND
-    put_ground(g, fill, of_bodies.x, of_bodies.y);
-#endif
+    for (uint b = range.x; b < range.y; ++b) {
+        uint from = b << m->shift, to = min(from + (1u << m->shift), m->n_rows);
+        uint2 at = (uint2)(m->begins[b], m->begins[b + 1]);
+        make_bucket(&m->to, at, from, to, starts, values);
+        if (to == m->n_rows)
+            starts[to] = at.y;
+    }
 }
 
-// Stages that make sorted rows of contacts, from nothing.
-#define ROWS_CLEAR 0
-#define ROWS_COUNT 1
-#define ROWS_SUM 2
-#define ROWS_START 3
-#define ROWS_PUT 4
-#define ROWS_SORT 5
-#define ROWS_STAGES 6
-
-//   reverse  the rows are those of returns
-//   counts   [n + 1] of the rows, which become their starts
-static inline void make_part(const graph *g, uint stage, const team_member *t, uint part, bool reverse,
-                             volatile __global uint *counts, __global uint *values)
+static inline void put_part(const graph *g, const row_sink *to, const team_member *t, uint part)
 {
-    const uint fill = stage == ROWS_PUT;
-    uint2 of_counts = range_of(t, part, g->n + 1), of_bodies = range_of(t, part, g->n);
-    volatile __global uint *sums = t->words + TEAM_SUMS;
-    if (stage == ROWS_CLEAR)
-        clear_counts(counts, of_counts);
-    if (reverse && (stage == ROWS_COUNT || fill))
-        put_returns(g, fill, of_bodies.x, of_bodies.y);
-    if (!reverse && (stage == ROWS_COUNT || fill))
-        put_part(g, fill, t, part);
-    if (stage == ROWS_SUM)
-        sums[part] = sum_of(counts, of_counts);
-    if (stage == ROWS_START)
-        add_before(counts, sums, part, of_counts);
-    if (stage == ROWS_SORT)
-        sort_rows(counts, values, of_bodies.x, of_bodies.y);
+    uint2 of_pairs = range_of(t, part, g->n_pairs), of_bodies = range_of(t, part, g->n);
+    put_pairs(g, to, of_pairs.x, of_pairs.y);
+#if BOUNDARY
+    put_walls(g, to, of_bodies.x, of_bodies.y);
+#endif
+#if GROUND
+    put_ground(g, to, of_bodies.x, of_bodies.y);
+#endif
 }
 
 __kernel void make_rows(MAKE_ROWS_ARGS)
 {
     const graph g = {MAKE_ROWS_VALUES};
     team_member t = TEAM_MEMBER;
-    uint part, each = parts_of(&t, max(n, n_pairs), TEAM_LEAST_BODIES);
-    for (uint k = 0; k < ROWS_STAGES; ++k) {
-        IN_STAGE(&t, &part, each)
-            make_part(&g, k, &t, part, false, starts, others);
+    uint part, places[ROW_BUCKETS], each = min(parts_of(&t, max(n, n_pairs), TEAM_LEAST_BODIES), (uint)ROW_PARTS);
+    bucket_maker m = make_buckets(&t, each, n, row_counts, entry_rows, entry_values);
+    for (uint fill = 0; fill < 2; ++fill) {
+        IN_STAGE(&t, &part, each) {
+            begin_part(&m, place_of(&t, part), fill, places);
+            put_part(&g, &m.to, &t, part);
+            end_part(&m, place_of(&t, part));
+        }
         END_STAGE(&t);
     }
+    IN_STAGE(&t, &part, parts_of(&t, n, TEAM_LEAST_BODIES))
+        make_rows_of(&m, range_of(&t, part, count_buckets(&m)), starts, others);
 }
 
 __kernel void make_returns(MAKE_RETURNS_ARGS)
 {
     const graph g = {MAKE_RETURNS_VALUES};
     team_member t = TEAM_MEMBER;
-    uint part, each = parts_of(&t, n, TEAM_LEAST_BODIES);
-    for (uint k = 0; k < ROWS_STAGES; ++k) {
-        IN_STAGE(&t, &part, each)
-            make_part(&g, k, &t, part, true, return_starts, returns);
+    uint part, places[ROW_BUCKETS], each = min(parts_of(&t, n, TEAM_LEAST_BODIES), (uint)ROW_PARTS);
+    bucket_maker m = make_buckets(&t, each, n, row_counts, entry_rows, entry_values);
+    for (uint fill = 0; fill < 2; ++fill) {
+        IN_STAGE(&t, &part, each) {
+            uint2 range = range_of(&t, part, n);
+            begin_part(&m, place_of(&t, part), fill, places);
+            put_returns(&g, &m.to, range.x, range.y);
+            end_part(&m, place_of(&t, part));
+        }
         END_STAGE(&t);
     }
+    IN_STAGE(&t, &part, parts_of(&t, n, TEAM_LEAST_BODIES))
+        make_rows_of(&m, range_of(&t, part, count_buckets(&m)), return_starts, returns);
 }
 
 #endif

@@ -90,6 +90,9 @@ return {
       uint n
       volatile uint *team
       uint stage
+      uint *row_counts
+      uint *entry_rows
+      uint *entry_values
       volatile uint *starts
       uint *others
     ]],
@@ -100,6 +103,9 @@ return {
       const real4 *velocities
       volatile uint *team
       uint stage
+      uint *row_counts
+      uint *entry_rows
+      uint *entry_values
       uint2 *links
       uint *touches
       uint *colours           if CONTACT_RESPONSE == 1

@@ -10,14 +10,8 @@
 //            that both have free
 //   key      what contacts are sorted by
 //
-// A team (team.clh) does all of it, and sorts, in one launch: colour_contacts.
-//
-//   colours [n_contacts] COLOUR_NONE: pushes nothing; COLOUR_WAITS: to be coloured
-//   used    [n] a bit for each colour taken
-//   choices [n] the contact that the object points to; NONE: none waits
-typedef struct {
-    ARG_FIELDS
-} colouring;
+// A team (team.clh) does all of it, and sorts, in one launch: colour_contacts. A GPU whose groups meet takes all rounds
+// in one: colour_rounds.cl. colouring.clh has what a round does.
 
 static inline bool is_pushing(const colouring *c, uint i, uint2 link)
 {
@@ -60,62 +54,11 @@ __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
     mark_contacts(&c, first, min(first + PER_ITEM, N_AWAKE_CONTACTS));
 }
 
-static inline void add_contact(uint i, __global const uint2 *links, __global const uint *colours, colour_choice *choice)
-{
-    uint colour = colours[i];
-    if (colour <= LAST_COLOUR)
-        choice->used |= 1u << colour;
-    if (colour == COLOUR_WAITS)
-        choose_waiting(choice, i, links[i]);
-}
-
-static inline void choose_contacts(const colouring *c, uint first, uint last)
-{
-    for (uint j = first; j < last; ++j) {
-        uint id = AWAKE_OF(c, j);
-        if (c->choices[id] == NONE)
-            continue;
-        colour_choice choice = {0, NONE, 0};
-        for (uint i = c->starts[id]; i < c->starts[id + 1]; ++i)
-            add_contact(i, c->links, c->colours, &choice);
-        for (uint k = c->return_starts[id]; k < c->return_starts[id + 1]; ++k)
-            add_contact(c->returns[k], c->links, c->colours, &choice);
-        c->used[id] = choice.used;
-        c->choices[id] = choice.best;
-    }
-}
-
 __kernel void graph_colour_choose(GRAPH_COLOUR_CHOOSE_ARGS)
 {
     const colouring c = {GRAPH_COLOUR_CHOOSE_VALUES};
     uint first = get_global_id(0) * PER_ITEM;
     choose_contacts(&c, first, min(first + PER_ITEM, N_AWAKE));
-}
-
-// Colours the contacts that objects chose; each object owns its contact.
-static inline void take_contacts(const colouring *c, uint round, uint first, uint last)
-{
-    uint done = 0;
-    for (uint k = first; k < last; ++k) {
-        uint id = AWAKE_OF(c, k);
-        uint i = c->choices[id];
-        if (i == NONE || c->links[i].x != id)
-            continue;
-        uint other = c->links[i].y;
-        uint taken = c->used[id];
-        if (other < c->n && c->velocities[other].w > 0) { // asleep or not
-            if (c->choices[other] != i)
-                continue;
-            taken |= c->used[other];
-        }
-        uint colour = popcount(taken ^ (taken + 1)) - 1; // the least bit that is not set
-        c->colours[i] = colour <= LAST_COLOUR ? colour : COLOUR_OVERFLOW;
-        ++done;
-    }
-    if (done) {
-        atomic_max(c->flags + FLAG_ROUNDS, round);
-        atomic_sub(c->flags + FLAG_UNCOLOURED, done);
-    }
 }
 
 __kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)

@@ -2,7 +2,7 @@
 return {
   about = "graph colouring: contacts of one colour share no body that moves",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
-    "dynamics/listed.clh", "dynamics/team.clh", "dynamics/colour_choice.clh" },
+    "dynamics/listed.clh", "dynamics/team.clh", "dynamics/colour_choice.clh", "dynamics/colouring.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE, common.SLEEP, common.SENSORS,
     { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups colour together" },

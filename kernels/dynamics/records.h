@@ -127,11 +127,16 @@
 #define TEAM_TAKEN (2 * TEAM_LINE)                     // a line for each group
 #define TEAM_MOST 224                                  // groups
 #define TEAM_PARTS TEAM_LINE                           // parts of a group in a stage, at most
-#define TEAM_SUMS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST) // each part's, of a stage that adds up
-#define TEAM_WORDS (TEAM_SUMS + TEAM_PARTS * TEAM_MOST)
+#define TEAM_WORDS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST)
 #define TEAM_LEAST_PART 32     // contacts that a group takes of a colour at least
 #define TEAM_LEAST_CONTACTS 64 // those of a part if a group has several
 #define TEAM_LEAST_BODIES 512  // likewise, bodies, pairs, or contacts that are not solved
+
+// Buckets of a team that makes rows of contacts: at most, and the least rows of one as a power of 2; parts of a
+// group, at most, that put contacts into them.
+#define ROW_BUCKETS 256
+#define ROW_LEAST_SHIFT 6
+#define ROW_PARTS 2
 
 // ------------------------------------------------------------ flags
 

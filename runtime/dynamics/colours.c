@@ -62,6 +62,15 @@ static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint
     return ok;
 }
 
+// By groups that meet, all at once.
+static bool choose_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
+{
+    const kernel *k = m->kernels.colour_rounds;
+    if (!k)
+        return run_rounds(m, m->kernels.graph_colour_choose, from, to, err);
+    return from == to || team_launch(m, "graph_colour", k, m->awake.n_bodies, k->group, 0, err);
+}
+
 // Makes space for the blocks of colours that have been laid out.
 static bool use_colours(duet_motion *m, duet_error *err)
 {
@@ -81,8 +90,7 @@ static bool list_colours(duet_motion *m, duet_error *err)
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) &&
-             sort_colours(m, err);
+        ok = ok && choose_colours(m, from, to, err) && sort_colours(m, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
@@ -129,8 +137,8 @@ static bool colour_by_team(duet_motion *m, duet_error *err)
     uint32_t starts[KEYS + 1];
     s->sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
     if (!launch_colouring(m, err) || !motion_start_flags(m, err) ||
-        !timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts,
-                       sizeof starts, err))
+        !timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts,
+                       err))
         return false;
     if (m->flags[FLAG_ROUNDS] > MOST_ROUNDS)
         m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - MOST_ROUNDS);

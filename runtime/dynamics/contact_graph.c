@@ -168,18 +168,25 @@ static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 
 // Stages of a team that makes rows (kernels/dynamics/contact_graph.cl); pairs or bodies that a
 // group has at least.
-enum { ROWS_STAGES = 6, ROWS_LEAST = 256 };
+enum { ROWS_STAGES = 3, ROWS_LEAST = 256 };
 
-static bool make_by_team(duet_motion *m, const kernel *k, uint32_t work, duet_error *err)
+//   most  values of all rows
+static bool make_by_team(duet_motion *m, const kernel *k, uint32_t work, uint64_t most,
+                         duet_error *err)
 {
-    return team_launch(m, "contact_graph", k, work > m->n ? work : m->n, ROWS_LEAST, ROWS_STAGES,
+    const uint64_t counts = (uint64_t)TEAM_MOST * ROW_PARTS * ROW_BUCKETS + ROW_BUCKETS + 1;
+    return motion_reserve(m, LIST_SPARE, most + 1, sizeof(uint32_t), err) &&
+           motion_reserve(m, LIST_KEYS_SPARE, most + 1, sizeof(uint32_t), err) &&
+           motion_reserve(m, ROW_COUNTS, counts, sizeof(uint32_t), err) &&
+           team_launch(m, "contact_graph", k, work > m->n ? work : m->n, ROWS_LEAST, ROWS_STAGES,
                        err);
 }
 
 static bool put_rows(duet_motion *m, duet_error *err)
 {
     if (team_takes(m->kernels.make_rows))
-        return make_by_team(m, m->kernels.make_rows, m->graph.n_pairs, err);
+        return make_by_team(m, m->kernels.make_rows, m->graph.n_pairs,
+                            most_contacts(m, m->graph.n_pairs), err);
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err);
 }
@@ -214,7 +221,8 @@ static bool fill_returns(duet_motion *m, duet_error *err)
     if (!reserve_contacts(m, err))
         return false;
     if (team_takes(m->kernels.make_returns))
-        return make_by_team(m, m->kernels.make_returns, m->graph.n_contacts, err);
+        return make_by_team(m, m->kernels.make_returns, m->graph.n_contacts, m->graph.n_contacts,
+                            err);
     return clear_starts(m, RETURN_STARTS, err) && put_returns(m, 0, err) &&
            scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
            sort_rows(m, RETURN_STARTS, RETURNS, err);

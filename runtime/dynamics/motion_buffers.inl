@@ -47,8 +47,9 @@ BUFFER(OLD_TOUCHES, "old_touches", "uint *")
 BUFFER(OLD_COLOURS, "old_colours", "uint *")
 BUFFER(LIST, "list", "uint *") // contacts by colour
 BUFFER(LIST_KEYS, "keys", "uint *")
-HIDDEN(LIST_SPARE)
-HIDDEN(LIST_KEYS_SPARE)
+BUFFER(LIST_SPARE, "entry_rows", "uint *") // also a team's, while it makes rows
+BUFFER(LIST_KEYS_SPARE, "entry_values", "uint *")
+BUFFER(ROW_COUNTS, "row_counts", "uint *") // of each part of a team's, by buckets
 BUFFER(COLOUR_STARTS, "key_starts", "uint *")
 BUFFER(KEY_COUNTS, "key_counts", "uint *") // of each part of a team's
 BUFFER(SPANS, "spans", "uint4 *")

@@ -240,8 +240,8 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
     bool cpu = m->device->info.kind == DUET_KIND_CPU, team = response && cpu;
-    bool meets = cpu || (m->device->quirks & DRIVER_MEETS);
-    bool at_once = response && !shocks && (meets || sleep || m->n <= SOLVER_FEW);
+    bool meets = m->device->quirks & DRIVER_MEETS;
+    bool at_once = response && !shocks && (cpu || meets || sleep || m->n <= SOLVER_FEW);
     const kernel_request list[] = {
         KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
         KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
@@ -273,6 +273,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(graph_colour_take, response, "graph_colour"),
         KERNEL(graph_colour_key, response, "graph_colour"),
         KERNEL(colour_contacts, team, "graph_colour"),
+        KERNEL(colour_rounds, response && meets, "colour_rounds"),
         KERNEL(prepare_contacts, response, "prepare_contacts"),
         KERNEL(store_impulses, response, "prepare_contacts"),
         KERNEL(solve_contacts, response, "solve_contacts"),

@@ -154,9 +154,8 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 // ---------------------------------------------------------------- all passes at once
 
 // Bodies that a work-item may have, as it takes them one after the other; contacts of a colour, or
-// as many bodies as take as long, that a group has at least; passes of a substep; groups of a team
-// that has few.
-enum { BODIES_OF_ONE = 4, GROUP_LEAST = 64, PASSES = 2, TEAM_OF_FEW = 4 };
+// as many bodies as take as long, that a group has at least; passes of a substep.
+enum { BODIES_OF_ONE = 4, GROUP_LEAST = 64, PASSES = 2 };
 
 // Contacts of a colour, or bodies that take as long as those.
 static uint32_t most_work(const duet_motion *m)
@@ -204,13 +203,10 @@ static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32
                        (to - from) * (1 + s->to_colour), err);
 }
 
-// A team may lose members up to the end of a launch, which is then not that of the step if that
-// leaves few.
+// A team of several may lose members up to the end of a launch, which is then not that of the step.
 static uint32_t passes_at_once(const duet_motion *m, const kernel *k, uint32_t passes)
 {
-    bool loses =
-        team_takes(k) && most_work(m) > GROUP_LEAST && m->device->info.units <= TEAM_OF_FEW;
-    return loses ? PASSES : passes;
+    return team_takes(k) && most_work(m) > GROUP_LEAST ? PASSES : passes;
 }
 
 // Shocks have given back all speed.

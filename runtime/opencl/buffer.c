@@ -149,11 +149,22 @@ static bool lock_block(host_block *h, const device *d, size_t size)
     return h->bytes;
 }
 
+// What was sent from a block, or is read into it, may be under way.
+static void await_uses(const device devices[], int n_devices)
+{
+    for (int i = 0; i < n_devices; ++i) {
+        clFinish(devices[i].queue);
+        clFinish(devices[i].beside);
+    }
+}
+
 bool host_block_reserve(host_block *h, const device devices[], int n_devices, size_t size,
                         duet_error *err)
 {
     if (h->bytes && h->size >= size)
         return true;
+    if (h->bytes)
+        await_uses(devices, n_devices);
     host_block_release(h);
     size = rounded(size < SMALLEST ? SMALLEST : size, ALIGNMENT);
     for (int i = n_devices - 1; i >= 0 && !h->bytes; --i)

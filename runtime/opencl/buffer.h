@@ -43,8 +43,10 @@ typedef struct host_block {
     cl_mem mem;
 } host_block;
 
+// A block that grows waits for the devices' commands, and loses the content.
 bool host_block_reserve(host_block *h, const device devices[], int n_devices, size_t size,
                         duet_error *err);
+// Commands that use it are over.
 void host_block_release(host_block *h);
 
 #endif

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Prefix sums on a device, beside those of plain C.
+#define _DEFAULT_SOURCE
 #include "support/test.h"
 
 #include "base/rng.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/scan.h"
 
+#include <pthread.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { MOST = 300000 };
 
@@ -178,6 +181,48 @@ TEST(memory_is_kept_until_no_launch_uses_it)
     expect_marks(&b.words);
     expect_marks(&b.sums);
     clReleaseEvent(gate);
+    close_bench();
+}
+
+static void *open_gate(void *gate)
+{
+    usleep(100000);
+    return clSetUserEventStatus(gate, CL_COMPLETE) == CL_SUCCESS ? gate : NULL;
+}
+
+// A block grows while a read waits that goes there, on either queue.
+static void grow_block(cl_command_queue queue)
+{
+    cl_int code = CL_SUCCESS;
+    host_block block = {0}, other = {0};
+    pthread_t thread;
+    void *opened = NULL;
+    must(buffer_reserve(&b.words, &b.d, LARGE, ERR));
+    memset(b.words.host, 0, LARGE);
+    must(host_block_reserve(&block, &b.d, 1, LARGE, ERR));
+    cl_event gate = must(clCreateUserEvent(b.d.context, &code));
+    code = clEnqueueReadBuffer(queue, b.words.mem, CL_FALSE, 0, LARGE, block.bytes, 1, &gate, NULL);
+    assert_int_equal(code, CL_SUCCESS);
+    assert_int_equal(pthread_create(&thread, NULL, open_gate, gate), 0);
+    must(host_block_reserve(&block, &b.d, 1, 2 * (size_t)LARGE, ERR));
+    must(host_block_reserve(&other, &b.d, 1, LARGE, ERR));
+    memset(block.bytes, MARK, block.size);
+    memset(other.bytes, MARK, other.size);
+    pthread_join(thread, &opened);
+    assert_non_null(opened);
+    clFinish(queue);
+    expect_marks(&(buffer){.host = block.bytes, .bytes = block.size});
+    expect_marks(&(buffer){.host = other.bytes, .bytes = other.size});
+    clReleaseEvent(gate);
+    host_block_release(&block);
+    host_block_release(&other);
+}
+
+TEST(a_block_is_kept_until_nothing_is_read_into_it)
+{
+    open_bench(false, false);
+    grow_block(b.d.queue);
+    grow_block(b.d.beside);
     close_bench();
 }
 
