@@ -107,16 +107,6 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
     return pushed;
 }
 
-void domain_contacts_free(domain_contacts *c)
-{
-    free(c->rows);
-    free(c->links);
-    free(c->touches);
-    free(c->colours);
-    free(c->records);
-    *c = (domain_contacts){0};
-}
-
 bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,
                              duet_error *err)
 {
