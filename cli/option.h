@@ -22,6 +22,8 @@ typedef struct given_options {
     bool at[OPTIONS_MOST];
 } given_options;
 
+bool option_is_given(const command_line *line, const given_options *given, const char *name);
+
 // Rules of the command line; one thing on stdout; no output in the place of what is read, or of
 // another output.
 bool option_check_rules(const command_line *line, const given_options *given);

@@ -21,6 +21,11 @@ static bool is_given(const command_line *line, const given_options *given, const
     return o && given->at[o - line->options];
 }
 
+bool option_is_given(const command_line *line, const given_options *given, const char *name)
+{
+    return is_given(line, given, name, strlen(name));
+}
+
 bool options_is_stdout(const char *path)
 {
     return path && strcmp(path, "-") == 0;
@@ -87,7 +92,7 @@ bool option_check_rules(const command_line *line, const given_options *given)
         for (const char *at = r->options; *at; at += strspn(at, " ")) {
             size_t length = strcspn(at, " ");
             if (is_given(line, given, at, length) &&
-                is_given(line, given, r->other, strlen(r->other)) != (r->kind == OPTION_NEEDS))
+                option_is_given(line, given, r->other) != (r->kind == OPTION_NEEDS))
                 return REFUSE(line,
                               r->kind == OPTION_NEEDS ? "--%.*s does nothing without --%s"
                                                       : "--%.*s and --%s do not go together",

@@ -118,10 +118,17 @@ static bool take_option(const command_line *line, const asked *a, int argc, char
     return option_set(line, o, value, args);
 }
 
-static bool check_operands(const command_line *line, int n, char **operands)
+static bool check_operands(const command_line *line, const given_options *given, int n,
+                           char **operands)
 {
-    if (n < line->least_operands)
-        return REFUSE(line, "%s is missing; 'duet %s --help' says what it is", line->operands,
+    const bool instead = line->instead && option_is_given(line, given, line->instead);
+    const char *name = line->operands + strspn(line->operands, "[");
+    const int length = (int)strcspn(name, "]");
+    if (instead && n > 0)
+        return REFUSE(line, "--%s: the file says what it is; give no %.*s", line->instead, length,
+                      name);
+    if (!instead && n < line->least_operands)
+        return REFUSE(line, "%.*s is missing; 'duet %s --help' says what it is", length, name,
                       line->name);
     if (n > line->most_operands)
         return REFUSE(line, "unexpected argument '%s'; 'duet %s --help' shows the form",
@@ -167,7 +174,7 @@ static bool parse(const command_line *line, int argc, char **argv, void *args, p
         given.at[a.option - line->options] = true;
     }
     p->operands[p->n] = NULL;
-    return check_operands(line, p->n, p->operands) && option_check_rules(line, &given) &&
+    return check_operands(line, &given, p->n, p->operands) && option_check_rules(line, &given) &&
            option_check_stdout(line, &given, args) && option_check_places(line, args, p->operands);
 }
 

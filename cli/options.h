@@ -77,6 +77,7 @@ typedef struct command_line {
     const char *operands; // "SCENE|FILE", or ""
     int least_operands;
     int most_operands;
+    const char *instead;      // an option that names a file in the operands' place; NULL: none
     const char *about;        // one line of help, a sentence
     const option *options;    // ends with a row without name
     const option_rule *rules; // ends with {0}; NULL: none

@@ -28,19 +28,19 @@ bool timed_input_named(const char *name, timed_input *input)
     return i < TIMED_INPUTS;
 }
 
-static bool keep_step(timed *t, const duet_result *result, duet_error *err)
+bool timed_add(timed *t, uint32_t *n, const duet_result *result, duet_error *err)
 {
     timed_step *step = &t->steps[t->n + t->n_staged];
     step->stages = calloc(result->n_stages + 1, sizeof *step->stages);
     if (!step->stages)
         return error_set(err, DUET_STATUS_NO_MEMORY, "the times of a step: no memory");
-    for (uint32_t i = 0; i < result->n_stages; ++i)
-        step->stages[i] = result->stages[i];
+    if (result->n_stages > 0)
+        memcpy(step->stages, result->stages, result->n_stages * sizeof *step->stages);
     step->n_stages = result->n_stages;
     step->total_ms = result->total_ms;
     memcpy(step->kernel_ms, result->kernel_ms, sizeof step->kernel_ms);
-    step->device_ms[0] = result->device_ms[0];
-    step->device_ms[1] = result->device_ms[1];
+    memcpy(step->device_ms, result->device_ms, sizeof step->device_ms);
+    ++*n;
     return true;
 }
 
@@ -49,6 +49,12 @@ static int by_time(const void *a, const void *b)
     double x = ((const timed_step *)a)->total_ms;
     double y = ((const timed_step *)b)->total_ms;
     return (x > y) - (x < y);
+}
+
+void timed_sort(timed *t)
+{
+    qsort(t->steps, t->n, sizeof *t->steps, by_time);
+    qsort(t->steps + t->n, t->n_staged, sizeof *t->steps, by_time);
 }
 
 static bool hand_over(duet_world *world, const duet_scene *scene, timed_input input,
@@ -78,10 +84,9 @@ static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *sce
     if (!hand_over(world, scene, input, err))
         return false;
     measure_watch(cores, world->def.pair);
-    if (!duet_world_step(world, &t->last, err) || !keep_step(t, &t->last, err))
+    if (!duet_world_step(world, &t->last, err) || !timed_add(t, n, &t->last, err))
         return false;
     core_watch_stop(cores);
-    ++*n;
     return check_hash(t, err);
 }
 
@@ -121,8 +126,7 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
     ok = ok && (!untimed || step_staged(t, world, scene, input, err));
     if (ok && t->n == 0)
         ok = interrupt_check(err);
-    qsort(t->steps, t->n, sizeof *t->steps, by_time);
-    qsort(t->steps + t->n, t->n_staged, sizeof *t->steps, by_time);
+    timed_sort(t);
     return ok;
 }
 

@@ -43,6 +43,10 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
                timed_input input, duet_error *err);
 void timed_free(timed *t);
 
+// Adds a step as one of *n, which are t's; and puts all of them in order.
+bool timed_add(timed *t, uint32_t *n, const duet_result *result, duet_error *err);
+void timed_sort(timed *t);
+
 // The step with the median time; of an even number the lesser.
 const timed_step *timed_median(const timed *t);
 // The same of the steps whose stages were timed, for stages and kernel_ms.

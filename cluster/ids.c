@@ -65,11 +65,6 @@ static int rank_of(const void *context, uint64_t i)
     return (int)(pair_hash(d->ids[i]) % d->n_ranks);
 }
 
-static void write_id(const void *context, uint64_t i, void *row)
-{
-    memcpy(row, &((const dealing *)context)->ids[i], sizeof(uint64_t));
-}
-
 // UINT64_MAX may be one: *none is 0 if there is one, else 1.
 static void find_double(parcels *piece, uint64_t *none, uint64_t *id)
 {
@@ -101,7 +96,9 @@ static bool compare_all(ranks *r, const uint64_t *ids, uint32_t n, duet_error *e
 {
     parcels piece = {0};
     const dealing d = {ids, (uint64_t)r->n};
-    if (!parcels_deal(r, true, sizeof *ids, n, rank_of, write_id, &d, &piece, err))
+    const parcels_def out = {
+        .n = n, .row_bytes = sizeof *ids, .rows = ids, .rank_of = rank_of, .context = &d};
+    if (!parcels_deal(r, true, &out, &piece, err))
         return false;
     uint64_t none_and_id[2];
     find_double(&piece, &none_and_id[0], &none_and_id[1]);

@@ -102,8 +102,12 @@ static bool exchange_leavers(migration *m, ranks *r, duet_error *err)
     owned *o = m->owned;
     uint32_t first = o->rows.n;
     parcels in = {0};
-    bool ok = parcels_deal(r, is_well(err), object_message_bytes(&o->form), m->classes.leavers.n,
-                           rank_of, write_leaver, m, &in, err);
+    const parcels_def out = {.n = m->classes.leavers.n,
+                             .row_bytes = object_message_bytes(&o->form),
+                             .write = write_leaver,
+                             .rank_of = rank_of,
+                             .context = m};
+    bool ok = parcels_deal(r, is_well(err), &out, &in, err);
     ok = ok && ranks_agree(r, owned_add_newcomers(o, &in, err), err);
     parcels_end(&in);
     if (!ok) { // on any rank

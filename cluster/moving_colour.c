@@ -134,8 +134,12 @@ static bool tell_all(moving *m, const waiting_list *waiting, parcels *all, duet_
     const telling t = {waiting, (uint64_t)m->ranks->n};
     if (is_well(own) && waiting->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
-    return parcels_deal(m->ranks, is_well(own), sizeof(waiting_contact), waiting->n * t.n_ranks,
-                        listener_of, write_waiting, &t, all, own);
+    const parcels_def out = {.n = waiting->n * t.n_ranks,
+                             .row_bytes = sizeof(waiting_contact),
+                             .write = write_waiting,
+                             .rank_of = listener_of,
+                             .context = &t};
+    return parcels_deal(m->ranks, is_well(own), &out, all, own);
 }
 
 // A contact of two ghosts that does not wait at home waits on: its colour is not known here.

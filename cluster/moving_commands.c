@@ -61,17 +61,6 @@ static void share(const moving *m, const command *c, shared_command *s, duet_err
 
 // ---------------------------------------------------------------- places of those that come
 
-static int first_rank(const void *context, uint64_t i)
-{
-    (void)context, (void)i;
-    return 0;
-}
-
-static void write_id(const void *context, uint64_t i, void *row)
-{
-    memcpy(row, (const uint64_t *)context + i, sizeof(uint64_t));
-}
-
 typedef LIST_OF(uint64_t, ids) id_list;
 
 // The ids that bodies in the n lowest empty places of a domain would have.
@@ -119,8 +108,8 @@ static uint64_t *choose_ids(const moving *m, const command *c, duet_error *own)
         list_empty(&m->domains[k], n, &empty);
     if (is_well(own) && empty.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for empty places", c->call);
-    bool ok = parcels_deal(m->ranks, is_well(own), sizeof *ids, empty.n, first_rank, write_id,
-                           empty.ids, &in, own);
+    const parcels_def out = {.n = empty.n, .row_bytes = sizeof *ids, .rows = empty.ids};
+    bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
     if (ok && m->ranks->self == 0)
         take_lowest(m, &in, ids, n);
     if (ok && n > 0)

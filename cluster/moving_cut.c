@@ -21,22 +21,6 @@ bool moving_cut_is_due(const moving *m)
            (b->most > most_imbalance * b->mean + FEW_BODIES || b->lost > price_steps);
 }
 
-typedef struct sampling {
-    const item_list *points;
-} sampling;
-
-static int first_rank(const void *context, uint64_t i)
-{
-    (void)context, (void)i;
-    return 0;
-}
-
-static void write_point(const void *context, uint64_t i, void *row)
-{
-    const bisection_point *points = ((const sampling *)context)->points->items;
-    memcpy(row, &points[i], sizeof *points);
-}
-
 uint64_t moving_sampled(uint64_t n)
 {
     return 1 + n / SAMPLE_A_DOMAIN;
@@ -93,12 +77,12 @@ static void sample(const moving *m, const moving_domain *d, item_list *points, d
 // ways.
 bool moving_cut_by(moving *m, const item_list *points, duet_error *own)
 {
-    const sampling s = {points};
+    const parcels_def out = {
+        .n = points->n, .row_bytes = sizeof(bisection_point), .rows = points->items};
     parcels in = {0};
     if (is_well(own) && points->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
-    bool ok = parcels_deal(m->ranks, is_well(own), sizeof(bisection_point), points->n, first_rank,
-                           write_point, &s, &in, own);
+    bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
     if (ok && m->ranks->self == 0)
         bisection_cut(&m->cuts, NULL, in.rows, in.n);
     if (ok)

@@ -29,23 +29,18 @@ static int rank_of(const void *context, uint64_t i)
     return (int)(row_domain((const char *)d->rows->items + i * d->bytes) / d->m->parts);
 }
 
-static void write_row(const void *context, uint64_t i, void *row)
-{
-    const dealing *d = context;
-    memcpy(row, (const char *)d->rows->items + i * d->bytes, d->bytes);
-}
-
 typedef item_list *list_of_domain(moving_domain *d);
 
 // Sends each row to its domain, and adds those that came to their domains' lists.
 static bool deal(moving *m, item_list *rows, size_t bytes, list_of_domain *list, duet_error *own)
 {
     const dealing d = {m, rows, bytes};
+    const parcels_def out = {
+        .n = rows->n, .row_bytes = bytes, .rows = rows->items, .rank_of = rank_of, .context = &d};
     parcels in = {0};
     if (is_well(own) && rows->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "rows that travel: no memory");
-    bool ok = parcels_deal(m->ranks, is_well(own), (uint32_t)bytes, rows->n, rank_of, write_row, &d,
-                           &in, own);
+    bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
     for (uint64_t i = 0; ok && i < in.n; ++i) {
         const char *row = (const char *)in.rows + i * bytes;
         list_add(list(&m->domains[row_domain(row) % m->parts]), row, 1, bytes);

@@ -9,30 +9,12 @@
 
 // ---------------------------------------------------------------- to rank 0
 
-typedef struct gathering {
-    const item_list *rows;
-    size_t bytes;
-} gathering;
-
-static int first_rank(const void *context, uint64_t i)
-{
-    (void)context, (void)i;
-    return 0;
-}
-
-static void write_row(const void *context, uint64_t i, void *row)
-{
-    const gathering *g = context;
-    memcpy(row, (const char *)g->rows->items + i * g->bytes, g->bytes);
-}
-
 static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, duet_error *own)
 {
-    const gathering g = {rows, bytes};
+    const parcels_def out = {.n = rows->n, .row_bytes = bytes, .rows = rows->items};
     if (is_well(own) && rows->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "rows that are saved: no memory");
-    return parcels_deal(m->ranks, is_well(own), (uint32_t)bytes, rows->n, first_rank, write_row, &g,
-                        in, own);
+    return parcels_deal(m->ranks, is_well(own), &out, in, own);
 }
 
 static void list_bodies(moving *m, moving_domain *d, item_list *bodies, duet_error *own)

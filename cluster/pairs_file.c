@@ -35,11 +35,6 @@ static int rank_of(const void *context, uint64_t i)
     return (int)(d->pairs[i].a / d->run);
 }
 
-static void write_pair(const void *context, uint64_t i, void *row)
-{
-    memcpy(row, &((const dealing *)context)->pairs[i], sizeof(duet_pair64));
-}
-
 // Sends each pair to the rank of its a, and sorts what arrives: then ranks, one after the
 // other, have all pairs ascending.
 static bool sort_pairs(duet_cluster *c, parcels *sorted, duet_error *err)
@@ -52,7 +47,12 @@ static bool sort_pairs(duet_cluster *c, parcels *sorted, duet_error *err)
     ranks_least(r, &most, 1);
     most = UINT64_MAX - most;
     const dealing d = {c->own.pairs, most / (uint64_t)r->n + 1};
-    if (!parcels_deal(r, true, sizeof(duet_pair64), c->own.n, rank_of, write_pair, &d, sorted, err))
+    const parcels_def out = {.n = c->own.n,
+                             .row_bytes = sizeof(duet_pair64),
+                             .rows = c->own.pairs,
+                             .rank_of = rank_of,
+                             .context = &d};
+    if (!parcels_deal(r, true, &out, sorted, err))
         return false;
     qsort(sorted->rows, sorted->n, sizeof(duet_pair64), ascending);
     return true;

@@ -135,28 +135,30 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
     return ok;
 }
 
-static bool fill(parcels *out, const ranks *r, uint64_t n, parcels_rank *rank_of,
-                 parcels_write *write, const void *context, duet_error *err)
+static bool fill(parcels *out, const ranks *r, const parcels_def *def, duet_error *err)
 {
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
     bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    for (uint64_t i = 0; ok && i < n; ++i)
-        ++out->counts[rank_of(context, i)];
+    for (uint64_t i = 0; ok && i < def->n; ++i)
+        ++out->counts[def->rank_of ? def->rank_of(def->context, i) : 0];
     ok = ok && parcels_reserve(out, r, places, err);
-    for (uint64_t i = 0; ok && i < n; ++i) {
-        uint64_t to = places[rank_of(context, i)]++;
-        write(context, i, (unsigned char *)out->rows + to * out->row_bytes);
+    for (uint64_t i = 0; ok && i < def->n; ++i) {
+        uint64_t to = places[def->rank_of ? def->rank_of(def->context, i) : 0]++;
+        unsigned char *row = (unsigned char *)out->rows + to * out->row_bytes;
+        if (def->rows)
+            memcpy(row, (const unsigned char *)def->rows + i * def->row_bytes, def->row_bytes);
+        else
+            def->write(def->context, i, row);
     }
     free(places);
     return ok;
 }
 
-bool parcels_deal(ranks *r, bool ok, uint32_t row_bytes, uint64_t n, parcels_rank *rank_of,
-                  parcels_write *write, const void *context, parcels *in, duet_error *err)
+bool parcels_deal(ranks *r, bool ok, const parcels_def *def, parcels *in, duet_error *err)
 {
     parcels out = {0};
-    ok = parcels_begin(&out, r, row_bytes, err) && ok;
-    ok = ok && fill(&out, r, n, rank_of, write, context, err);
+    ok = parcels_begin(&out, r, (uint32_t)def->row_bytes, err) && ok;
+    ok = ok && fill(&out, r, def, err);
     ok = parcels_exchange(r, ok, &out, in, err);
     parcels_end(&out);
     return ok;

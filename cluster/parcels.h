@@ -28,11 +28,17 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
 // of both parcels say; it cannot fail. requests has space for 4 for each rank.
 void parcels_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests);
 
-// Sends each of n rows of `context` to the rank that rank_of says, written by `write`; else as
-// parcels_exchange.
-typedef int parcels_rank(const void *context, uint64_t i);
-typedef void parcels_write(const void *context, uint64_t i, void *row);
-bool parcels_deal(ranks *r, bool ok, uint32_t row_bytes, uint64_t n, parcels_rank *rank_of,
-                  parcels_write *write, const void *context, parcels *in, duet_error *err);
+// Rows to send, and where each goes.
+typedef struct parcels_def {
+    uint64_t n;
+    size_t row_bytes;
+    const void *rows;                                          // [n] that travel as they are; NULL:
+    void (*write)(const void *context, uint64_t i, void *row); // makes them
+    int (*rank_of)(const void *context, uint64_t i);           // NULL: all go to rank 0
+    const void *context;
+} parcels_def;
+
+// Sends the rows of the def; else as parcels_exchange.
+bool parcels_deal(ranks *r, bool ok, const parcels_def *def, parcels *in, duet_error *err);
 
 #endif

@@ -134,8 +134,12 @@ static bool tell(moving *m, waiting_list *known, const told_list *told, uint64_t
 {
     const telling t = {known, told};
     parcels in = {0};
-    if (!parcels_deal(m->ranks, is_well(own), sizeof(waiting_contact), n, rank_of, write_contact,
-                      &t, &in, own))
+    const parcels_def out = {.n = n,
+                             .row_bytes = sizeof(waiting_contact),
+                             .write = write_contact,
+                             .rank_of = rank_of,
+                             .context = &t};
+    if (!parcels_deal(m->ranks, is_well(own), &out, &in, own))
         return false;
     m->counts.told += n;
     list_add(&known->list, in.rows, in.n, sizeof(waiting_contact));

@@ -83,7 +83,7 @@ const char *gen_folder(const gen *g, const char *file)
 
 // ---------------------------------------------------------------- parts
 
-void kernel_forget(kernel *k)
+static void kernel_forget(kernel *k)
 {
     if (k->is_read)
         card_close(&k->card);

@@ -47,7 +47,6 @@ struct gen {
 // The kernel of that name. At first its files are read, NAME.lua, common.clh, NAME.cl or
 // NAME.cl.in; every one that is missing is NOT_FOUND with its path.
 kernel *kernel_find(gen *g, const char *name, duet_error *err);
-void kernel_forget(kernel *k);
 void kernel_close(kernel *k); // also what was given
 
 #endif

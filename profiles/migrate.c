@@ -81,7 +81,7 @@ static bool set_version(store *s, int64_t version, duet_error *err)
     return sql_script(s, pragma, err);
 }
 
-bool migrate_create(store *s, duet_error *err)
+static bool create(store *s, duet_error *err)
 {
     const blob *schema = blob_find("profiles/schema.sql");
     assert(schema);
@@ -261,7 +261,7 @@ bool store_validate(store *s, duet_error *err)
                          s->path, version, STORE_VERSION);
     case IS_EMPTY:
         return s->writable
-                   ? migrate_create(s, err)
+                   ? create(s, err)
                    : error_set(err, DUET_STATUS_NOT_FOUND,
                                "%s: there is nothing in it yet; duet tune fills it", s->path);
     case IS_OLDER:

@@ -176,7 +176,6 @@ const char *store_journal(unsigned long file_system);
 #define STORE_VERSION 7
 #define STORE_APPLICATION 0x44554554 // "DUET"
 
-bool migrate_create(store *s, duet_error *err);
 bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err);
 extern const char *const migrate_upgrades[];
 

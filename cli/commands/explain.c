@@ -39,26 +39,18 @@ static const option_rule rules[] = {
     {0},
 };
 
-static const char *refuse(const void *given, char **operands)
-{
-    const arguments *args = given;
-    return !operands[0] && !args->task ? "SCENE is missing; 'duet explain --help' says what it is"
-           : operands[0] && args->task ? "--task: the file says what is explained; give no scene"
-                                       : NULL;
-}
-
 static const command_line line = {
     .name = "explain",
     .operands = "[SCENE]",
-    .least_operands = 0,
+    .least_operands = 1,
     .most_operands = 1,
+    .instead = "task",
     .about = "Shows what a scene calls for. A moving scene has effects: what calls for each,\n"
              "its kernels and its bytes an object. A still scene has kernels that find its\n"
              "pairs, kernels left out, and the property of the scene that decides it. A task\n"
              "has arguments, and parameters of its kernel to choose from.",
     .options = options,
     .rules = rules,
-    .refuse = refuse,
 };
 
 // ---------------------------------------------------------------- a still scene

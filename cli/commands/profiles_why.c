@@ -38,25 +38,16 @@ static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES,
                                     {"moving level missed false-rate", OPTION_EXCLUDES, "task"},
                                     {0}};
 
-static const char *refuse(const void *given, char **operands)
-{
-    const arguments *args = given;
-    return !operands[0] && !args->task ? "SCENE|FILE is missing; 'duet profiles why --help' says "
-                                         "what it is"
-           : operands[0] && args->task ? "--task: the file says what is looked up; give no scene"
-                                       : NULL;
-}
-
 static const command_line line = {
     .name = "profiles why",
     .operands = "[SCENE|FILE]",
-    .least_operands = 0,
+    .least_operands = 1,
     .most_operands = 1,
+    .instead = "task",
     .about = "Says which profile an application with this scene would get here, and why. The\n"
              "grades are tried from the best down; docs/store.md explains them.",
     .options = options,
     .rules = rules,
-    .refuse = refuse,
 };
 
 // A question and its answer.

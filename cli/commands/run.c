@@ -61,10 +61,7 @@ static const char *refuse(const void *given, char **operands)
     size_t n = args->picture ? strlen(args->picture) : 0;
     timed_input input;
     frames_format format;
-    if (!operands[0] && !args->task)
-        return "SCENE|FILE is missing; 'duet run --help' says what it is";
-    if (operands[0] && args->task)
-        return "--task: the file says what is run; give no scene";
+    (void)operands;
     if (args->picture && (n < 5 || strcmp(args->picture + n - 4, ".png") != 0))
         return "--picture: the name of a run's picture ends with .png";
     if (!timed_input_named(args->input, &input))
@@ -80,8 +77,9 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "run",
     .operands = "[SCENE|FILE]",
-    .least_operands = 0,
+    .least_operands = 1,
     .most_operands = 1,
+    .instead = "task",
     .about = "Finds all pairs of boxes that collide, on two devices, and says where the time\n"
              "went. SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers\n"
              "as text; - is stdin.",

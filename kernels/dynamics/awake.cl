@@ -39,8 +39,7 @@ static inline uint2 link_of(const scene *s, uint i)
 {
     uint2 link = s->links[i];
 //@ if CARRIED == 1 then
-    // Instead of a ground that a body carries, that body.
-    link.y = link.y >= s->n + AT_GROUND ? s->carrier : link.y;
+    link.y = MOVER_OF(s, link.y);
 //@ end
     return link;
 }

@@ -19,7 +19,7 @@ typedef struct {
 static inline float4 velocity_at(const events *e, uint id, float4 point)
 {
 //@ if HITS * CARRIED == 1 then
-    id = id >= e->n + AT_GROUND ? e->carrier : id;
+    id = MOVER_OF(e, id);
 //@ end
     if (id >= e->n)
         return (float4)(0.0f);

@@ -86,6 +86,10 @@
 #define AT_GROUND 6
 #define GROUND_CONTACTS 4
 #define FIXED (AT_GROUND + GROUND_CONTACTS)
+//@ if CARRIED == 1 then
+// A body, or instead of the ground the one that carries it.
+#define MOVER_OF(s, id) ((id) >= (s)->n + AT_GROUND ? (s)->carrier : (id))
+//@ end
 #define BODY_OF(TURNS) ((TURNS) ? 8 : 4)
 #define BODY_VELOCITY 0         // w: inverse mass
 #define BODY_ANGULAR_VELOCITY 1 // where bodies turn; w: yy of the inverse inertia

@@ -10,6 +10,16 @@
 
 static const char stage[] = "domain";
 
+void domain_contacts_free(domain_contacts *c)
+{
+    free(c->rows);
+    free(c->links);
+    free(c->touches);
+    free(c->colours);
+    free(c->records);
+    *c = (domain_contacts){0};
+}
+
 // A row of the device's list.
 typedef struct border_row {
     cl_uint row, owner, other, colour;

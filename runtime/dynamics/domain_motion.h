@@ -52,9 +52,6 @@ bool domain_read_states(duet_motion *m, const uint32_t *places, uint32_t n, char
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
 void domain_forget_bounds(duet_motion *m);
 
-// Reads whether bodies sleep, [n] words as kernels have them; 0 for all without the effect.
-bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err);
-
 // Byte of a state at which the seconds at rest lie; only where bodies sleep.
 size_t domain_rest_at(const duet_motion *m);
 

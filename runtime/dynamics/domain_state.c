@@ -97,13 +97,6 @@ bool domain_read_states(duet_motion *m, const uint32_t *places, uint32_t n, char
     return ok;
 }
 
-bool domain_read_asleep(duet_motion *m, cl_uint *asleep, duet_error *err)
-{
-    memset(asleep, 0, m->n * sizeof *asleep);
-    return m->n == 0 || !(m->effects & DUET_EFFECT_SLEEP) ||
-           motion_fetch(m, stage, ASLEEP, 0, asleep, m->n * sizeof *asleep, err);
-}
-
 // ---------------------------------------------------------------- contacts
 
 bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
@@ -112,16 +105,6 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n)
     for (uint32_t k = 0; k < n; ++k)
         pushed = pushed || record[m->layout.head + k * m->layout.point + OF_MAX_IMPULSE] > 0.0f;
     return pushed;
-}
-
-void domain_contacts_free(domain_contacts *c)
-{
-    free(c->rows);
-    free(c->links);
-    free(c->touches);
-    free(c->colours);
-    free(c->records);
-    *c = (domain_contacts){0};
 }
 
 bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with_records,

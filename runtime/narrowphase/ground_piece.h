@@ -18,10 +18,6 @@ typedef struct ground_piece {
 // numbers. Sets entry if it does.
 bool ground_piece_meet(const ground_piece *p, const ground_probe *probe, ground_entry *entry);
 
-// The same of a probe with a radius, whose core is the box; touching within 2^-40 of the sizes.
-// entry->t is the latest time that counts.
-bool ground_piece_meet_round(const ground_piece *p, const ground_probe *probe, ground_entry *entry);
-
 // Either, as the probe has a radius or none, no later than the best so far. Sets that and returns
 // true if it is sooner.
 bool ground_piece_improve(const ground_piece *p, const ground_probe *probe, ground_entry *best);

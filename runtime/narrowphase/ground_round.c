@@ -227,7 +227,9 @@ static double size_of(const ground_piece *p, const ground_probe *probe)
     return size;
 }
 
-bool ground_piece_meet_round(const ground_piece *p, const ground_probe *probe, ground_entry *entry)
+// As ground_piece_meet, of a probe with a radius, whose core is the box; touching within 2^-40 of
+// the sizes. entry->t is the latest time that counts.
+static bool meet_round(const ground_piece *p, const ground_probe *probe, ground_entry *entry)
 {
     scene s = {.probe = probe, .is_sheet = p->is_sheet, .up = {0, 0, 1}};
     double t = 0.0, last = fmin(probe->t_max, entry->t), touching = TOUCHING * size_of(p, probe);
@@ -258,8 +260,8 @@ bool ground_piece_meet_round(const ground_piece *p, const ground_probe *probe, g
 bool ground_piece_improve(const ground_piece *p, const ground_probe *probe, ground_entry *best)
 {
     ground_entry entry = *best;
-    bool meets = probe->radius > 0.0 ? ground_piece_meet_round(p, probe, &entry)
-                                     : ground_piece_meet(p, probe, &entry);
+    bool meets =
+        probe->radius > 0.0 ? meet_round(p, probe, &entry) : ground_piece_meet(p, probe, &entry);
     if (!meets || entry.t >= best->t)
         return false;
     *best = entry;

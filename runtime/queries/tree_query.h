@@ -68,7 +68,7 @@ typedef struct query_side {
     kernel *kernel;
     buffer items, hits, open, counters;
     cl_uint n, first_item, hits_capacity, open_capacity; // the chunk launched last
-    cl_uint n_levels, n_boxes, in_order, each;
+    cl_uint n_levels, in_order, each;
     cl_uint group, mask;                                  // the query's filter
     buffer objects, boxes, nodes, levels, order, filters; // the tree's
 

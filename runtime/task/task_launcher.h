@@ -46,9 +46,6 @@ struct task_launcher {
 // The host's copy of an array: what a launch sends, or has written.
 task_values *task_host_values(task_launcher *l, uint32_t arg);
 
-// Bytes of an array, from the item's first element on.
-size_t task_arg_offset(const task_arg *arg, uint64_t item);
-
 // The bytes of an array that belong to items [first, last), or all of it.
 void task_arg_range(const task_arg *arg, uint64_t items, uint64_t first, uint64_t last,
                     size_t *from, size_t *to);

@@ -5,7 +5,8 @@
 
 // ---------------------------------------------------------------- ranges of arrays
 
-size_t task_arg_offset(const task_arg *arg, uint64_t item)
+// The byte at which the item's first element lies.
+static size_t offset_of(const task_arg *arg, uint64_t item)
 {
     return (size_t)(item * arg->per_item * arg->lanes) * task_scalar_bytes(arg->initial.scalar);
 }
@@ -17,8 +18,8 @@ void task_arg_range(const task_arg *arg, uint64_t items, uint64_t first, uint64_
     *to = arg->initial.size;
     if (arg->per_item == 0 || arg->once)
         return;
-    *from = task_arg_offset(arg, first > arg->halo ? first - arg->halo : 0);
-    *to = task_arg_offset(arg, items - last > arg->halo ? last + arg->halo : items);
+    *from = offset_of(arg, first > arg->halo ? first - arg->halo : 0);
+    *to = offset_of(arg, items - last > arg->halo ? last + arg->halo : items);
 }
 
 // ---------------------------------------------------------------- a device's part

@@ -248,14 +248,14 @@ TEST(wrong_calls_are_refused)
         const char *says;
     } cases[] = {
         {"run", 2, "SCENE|FILE is missing"},
-        {"run paper --task saxpy.task.lua", 2, "--task: the file says what is run"},
+        {"run paper --task saxpy.task.lua", 2, "--task: the file says what it is"},
         {"run --task saxpy.task.lua --check", 2, "--task"},
         {"run --task saxpy.task.lua --set m=1", 2, "no parameter 'm'; the task has n, seed"},
         {"run --task none.task.lua", 2, "none.task.lua"},
-        {"profiles why paper --task saxpy.task.lua", 2, "--task: the file says what is looked up"},
+        {"profiles why paper --task saxpy.task.lua", 2, "--task: the file says what it is"},
         {"profiles why", 2, "SCENE|FILE is missing"},
         {"explain", 2, "SCENE is missing"},
-        {"explain paper --task saxpy.task.lua", 2, "--task: the file says what is explained"},
+        {"explain paper --task saxpy.task.lua", 2, "--task: the file says what it is"},
         {"explain --task saxpy.task.lua --measure", 2, "--measure"},
         {"tune paper --task saxpy.task.lua", 2, "paper: with --task the file says what is tuned"},
         {"tune --task saxpy.task.lua --query rays", 2, "--task"},
