@@ -6,14 +6,17 @@
 
 #include <stdlib.h>
 
+// Rows lie in memory of their own.
 static void end_side(halo_side *s)
 {
     free(s->items.items);
-    free(s->colours);
-    free(s->places);
+    free(s->places.rows);
     for (int i = 0; i < HALO_LISTS; ++i)
-        free(s->comes_after[i].rows);
+        free(s->runs[i].runs);
+    free(s->counts);
+    s->rows.rows = NULL;
     parcels_end(&s->rows);
+    host_block_release(&s->block);
 }
 
 void halo_end(halo *h)
@@ -35,7 +38,7 @@ void halo_add(item_list *items, const halo_item *item)
     list_add(items, item, 1, sizeof *item);
 }
 
-// ---------------------------------------------------------------- lists
+// ---------------------------------------------------------------- items
 
 // By the other side's rank; then as the sender and the receiver both know it.
 static int compare(const void *left, const void *right)
@@ -49,76 +52,111 @@ static int compare(const void *left, const void *right)
     return 0;
 }
 
-static halo_item *item_at(const halo_side *s, uint64_t i)
+static const halo_item *item_at(const halo_side *s, uint64_t i)
 {
-    return (halo_item *)s->items.items + i;
+    return (const halo_item *)s->items.items + i;
 }
 
-static bool settle_list(halo_side *s, const moving *m, duet_error *own)
+static void find_places(halo_side *s, const moving *m)
 {
-    ghost_colours *colours = realloc(s->colours, (s->items.n + 1) * sizeof *colours);
-    uint32_t *places = realloc(s->places, (s->items.n + 1) * sizeof *places);
-    s->colours = colours ? colours : s->colours;
-    s->places = places ? places : s->places;
-    if (!colours || !places)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     if (s->items.n > 0)
         qsort(s->items.items, s->items.n, sizeof(halo_item), compare);
     for (uint64_t i = 0; i < s->items.n; ++i) {
-        halo_item *item = item_at(s, i);
+        halo_item *item = (halo_item *)s->items.items + i;
         item->place = moving_place(&m->domains[item->domain], item->id);
+    }
+}
+
+// ---------------------------------------------------------------- lists
+
+static void clear_list(halo_side *s, int list, int n_ranks)
+{
+    s->n[list] = 0;
+    list_clear(&s->runs[list].list);
+    memset(s->counts + (size_t)list * n_ranks, 0, (size_t)n_ranks * sizeof *s->counts);
+}
+
+// The list's memory is there.
+static void add_to_list(halo_side *s, int list, const halo_item *item, int n_ranks)
+{
+    halo_runs *runs = &s->runs[list];
+    const uint32_t at = s->first[list] + s->n[list]++;
+    s->places.rows[at] = item->place;
+    ++s->counts[(size_t)list * n_ranks + item->rank];
+    if (runs->n == 0 || runs->runs[runs->n - 1].domain != item->domain)
+        list_add(&runs->list, &(halo_run){item->domain, at, 0}, 1, sizeof(halo_run));
+    if (!runs->failed)
+        ++runs->runs[runs->n - 1].n;
+}
+
+static bool reserve_places(halo_side *s, uint64_t n, duet_error *own)
+{
+    if (n > UINT32_MAX)
+        return error_set(own, DUET_STATUS_TOO_MANY, "ghosts in lists: more than 2^32");
+    if (n > s->places.capacity) {
+        uint32_t *rows = realloc(s->places.rows, (n + n / 4) * sizeof *rows);
+        if (!rows)
+            return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+        s->places.rows = rows;
+        s->places.capacity = n + n / 4;
     }
     return true;
 }
 
-// Domains know which item a ghost of theirs is.
-static void note_ghosts(const halo_side *s, moving *m)
+// Tells all devices of places, from so many on.
+static bool tell_places(const halo_side *s, const moving *m, uint32_t from, duet_error *own)
 {
-    for (uint64_t i = 0; i < s->items.n; ++i)
-        m->domains[item_at(s, i)->domain].ghost_at[item_at(s, i)->place] = (uint32_t)i;
+    const motion_buffer list = s == &m->halo.sent ? SENT_IDS : RECEIVED_IDS;
+    bool failed = false;
+    for (int k = 0; k < HALO_LISTS; ++k)
+        failed = failed || s->runs[k].failed;
+    if (failed)
+        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_list_ids(m->domains[k].motion, list, from, s->places.rows + from,
+                        (uint32_t)s->places.n - from, own);
+    return is_well(own);
 }
+
+static bool list_all(halo_side *s, const moving *m, duet_error *own)
+{
+    if (!s->counts)
+        s->counts = malloc(HALO_LISTS * (size_t)m->ranks->n * sizeof *s->counts);
+    if (!s->counts || !reserve_places(s, s->items.n + 1, own))
+        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+    for (int k = 0; k < HALO_LISTS; ++k)
+        clear_list(s, k, m->ranks->n);
+    s->first[HALO_ALL] = 0;
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        add_to_list(s, HALO_ALL, item_at(s, i), m->ranks->n);
+    s->places.n = s->items.n;
+    return tell_places(s, m, 0, own);
+}
+
+// ---------------------------------------------------------------- beginning
 
 static uint32_t row_bytes(const moving *m, motion_buffer which)
 {
     return motion_words(m->domains[0].motion, which) * (uint32_t)sizeof(uint32_t);
 }
 
-// The items of an exchange: all, or those of a list.
-typedef struct chosen {
-    const uint32_t *items; // NULL: all
-    uint64_t n;
-} chosen;
-
-static chosen all_of(const halo_side *s)
+// Bodies have the longest rows.
+static bool reserve_rows(halo_side *s, const moving *m, duet_error *own)
 {
-    return (chosen){NULL, s->items.n};
-}
-
-static chosen come_after(const halo_side *s, uint32_t colour)
-{
-    return (chosen){s->comes_after[colour].rows, s->comes_after[colour].n};
-}
-
-static const halo_item *chosen_at(const halo_side *s, const chosen *c, uint64_t i)
-{
-    return item_at(s, c->items ? c->items[i] : i);
-}
-
-static void count(halo_side *s, const chosen *c, int n_ranks)
-{
-    memset(s->rows.counts, 0, (size_t)n_ranks * sizeof *s->rows.counts);
-    for (uint64_t i = 0; i < c->n; ++i)
-        ++s->rows.counts[chosen_at(s, c, i)->rank];
-}
-
-// BODIES have the longest rows.
-static bool reserve(halo_side *s, const moving *m, duet_error *own)
-{
-    const chosen all = all_of(s);
-    if (!parcels_begin(&s->rows, m->ranks, row_bytes(m, BODIES), own))
+    const size_t body = row_bytes(m, BODIES),
+                 bytes = body > sizeof(ghost_colours) ? body : sizeof(ghost_colours);
+    if (!parcels_begin(&s->rows, m->ranks, (uint32_t)bytes, own) ||
+        !host_block_reserve(&s->block, m->domains[0].motion->device, 1, (s->items.n + 1) * bytes,
+                            own))
         return false;
-    count(s, &all, m->ranks->n);
-    return parcels_reserve(&s->rows, m->ranks, NULL, own);
+    s->rows.rows = s->block.bytes;
+    return true;
+}
+
+static bool settle_side(halo_side *s, const moving *m, duet_error *own)
+{
+    find_places(s, m);
+    return list_all(s, m, own) && reserve_rows(s, m, own);
 }
 
 static bool settle(halo *h, moving *m, duet_error *own)
@@ -127,10 +165,9 @@ static bool settle(halo *h, moving *m, duet_error *own)
         h->requests = malloc(4 * (size_t)m->ranks->n * sizeof *h->requests);
     if (!h->requests || h->sent.items.failed || h->received.items.failed)
         return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
-    if (!settle_list(&h->sent, m, own) || !settle_list(&h->received, m, own))
-        return false;
-    note_ghosts(&h->received, m);
-    return reserve(&h->sent, m, own) && reserve(&h->received, m, own);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_reserve_ghosts(m->domains[k].motion, own);
+    return is_well(own) && settle_side(&h->sent, m, own) && settle_side(&h->received, m, own);
 }
 
 bool halo_settle(halo *h, moving *m, duet_error *own)
@@ -150,50 +187,77 @@ static row_parts whole_row(const moving *m, motion_buffer which)
     return (row_parts){.words = {motion_words(m->domains[0].motion, which)}};
 }
 
-typedef bool move_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
-                       const uint32_t *places, uint32_t n, void *packed, duet_error *err);
+// What an exchange moves.
+typedef struct rows_moved {
+    motion_buffer which;
+    row_parts parts;
+} rows_moved;
 
-// Items of one domain that follow each other are moved together.
-static void move_items(halo_side *s, const moving *m, motion_buffer which, const chosen *c,
-                       const row_parts *parts, move_rows *move, duet_error *own)
+typedef bool move_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
+                       const domain_ids *ids, void *packed, duet_error *err);
+
+static bool pack_used(duet_motion *m, motion_buffer which, const row_parts *parts,
+                      const domain_ids *ids, void *packed, duet_error *err)
 {
+    (void)which;
+    (void)parts;
+    return domain_pack_used(m, ids, packed, err);
+}
+
+static void move_items(const halo_side *s, const moving *m, int list, const rows_moved *rows,
+                       move_rows *move, duet_error *own)
+{
+    const motion_buffer listed = s == &m->halo.sent ? SENT_IDS : RECEIVED_IDS;
     char *packed = s->rows.rows;
-    for (uint64_t from = 0, to; is_well(own) && from < c->n; from = to) {
-        const uint32_t domain = chosen_at(s, c, from)->domain;
-        for (to = from; to < c->n && chosen_at(s, c, to)->domain == domain; ++to)
-            s->places[to] = chosen_at(s, c, to)->place;
-        move(m->domains[domain].motion, which, parts, s->places + from, (uint32_t)(to - from),
-             packed + from * bytes_of(parts), own);
+    for (uint64_t i = 0; is_well(own) && i < s->runs[list].n; ++i) {
+        const halo_run *run = &s->runs[list].runs[i];
+        const domain_ids ids = {s->places.rows + run->first, run->n, listed, run->first};
+        move(m->domains[run->domain].motion, rows->which, &rows->parts, &ids,
+             packed + (run->first - s->first[list]) * bytes_of(&rows->parts), own);
     }
 }
 
-// Devices may still be reading what came before.
+// A device may still be reading what came before, if it was not waited for since.
 static void await_unpacked(const moving *m, duet_error *own)
 {
     for (uint32_t k = 0; k < m->parts; ++k)
         domain_await_rows(m->domains[k].motion, own);
 }
 
-static void exchange(halo *h, moving *m, motion_buffer which, const chosen *out, const chosen *in,
-                     const row_parts *parts, duet_error *own)
+static void count(halo_side *s, const moving *m, int list, uint32_t bytes)
 {
-    if (out->n == 0 && in->n == 0)
+    const size_t n = (size_t)m->ranks->n;
+    s->rows.row_bytes = bytes;
+    memcpy(s->rows.counts, s->counts + (size_t)list * n, n * sizeof *s->counts);
+}
+
+// Brings rows of a list from one side to the other.
+static void move(halo *h, moving *m, int list, halo_side *from, halo_side *to,
+                 const rows_moved *rows, move_rows *pack, move_rows *unpack, duet_error *own)
+{
+    const uint32_t bytes = (uint32_t)bytes_of(&rows->parts);
+    count(from, m, list, bytes);
+    count(to, m, list, bytes);
+    move_items(from, m, list, rows, pack, own);
+    if (from->n[list] == 0 || m->parts > 1)
+        await_unpacked(m, own);
+    parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
+    if (unpack)
+        move_items(to, m, list, rows, unpack, own);
+}
+
+static void exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
+{
+    if (h->sent.n[list] == 0 && h->received.n[list] == 0)
         return;
     ++h->n_exchanges;
-    h->sent.rows.row_bytes = h->received.rows.row_bytes = (uint32_t)bytes_of(parts);
-    count(&h->sent, out, m->ranks->n);
-    count(&h->received, in, m->ranks->n);
-    move_items(&h->sent, m, which, out, parts, domain_pack_rows, own);
-    await_unpacked(m, own);
-    parcels_pass(m->ranks, &h->sent.rows, &h->received.rows, h->requests);
-    move_items(&h->received, m, which, in, parts, domain_unpack_rows, own);
+    h->n_rows += h->sent.n[list];
+    move(h, m, list, &h->sent, &h->received, rows, domain_pack_listed, domain_unpack_listed, own);
 }
 
 void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 {
-    const chosen out = all_of(&h->sent), in = all_of(&h->received);
-    const row_parts whole = whole_row(m, which);
-    exchange(h, m, which, &out, &in, &whole, own);
+    exchange(h, m, HALO_ALL, &(rows_moved){which, whole_row(m, which)}, own);
 }
 
 // ---------------------------------------------------------------- after a colour
@@ -212,86 +276,162 @@ static row_parts parts_of_body(const duet_motion *motion, bool warm)
 
 void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
 {
-    const chosen out = come_after(&h->sent, colour), in = come_after(&h->received, colour);
-    const row_parts parts = parts_of_body(m->domains[0].motion, warm);
-    exchange(h, m, BODIES, &out, &in, &parts, own);
+    const rows_moved rows = {BODIES, parts_of_body(m->domains[0].motion, warm)};
+    exchange(h, m, (int)colour, &rows, own);
+}
+
+// As push_sleepers writes them (kernels/dynamics/update_sleep.cl).
+void halo_exchange_ways(halo *h, moving *m, uint32_t round, duet_error *own)
+{
+    enum { VECTOR = 4 };
+    const rows_moved rows = {BODIES, {.at = {(~round & 1u) * VECTOR}, .words = {VECTOR}}};
+    exchange(h, m, HALO_ALL, &rows, own);
 }
 
 void halo_exchange_late(halo *h, moving *m, duet_error *own)
 {
-    const chosen out = come_after(&h->sent, HALO_LATE), in = come_after(&h->received, HALO_LATE);
-    const row_parts whole = whole_row(m, BODIES);
-    exchange(h, m, BODIES, &out, &in, &whole, own);
+    exchange(h, m, HALO_LATE, &(rows_moved){BODIES, whole_row(m, BODIES)}, own);
 }
 
 bool halo_comes(const halo *h, uint32_t colour)
 {
-    return h->sent.comes_after[colour].n > 0 || h->received.comes_after[colour].n > 0;
+    return h->sent.n[colour] > 0 || h->received.n[colour] > 0;
 }
 
 // ---------------------------------------------------------------- what comes when
 
-// Sends a row of each item, of which there are parcels on both sides; colours were read since rows
-// were unpacked, so no device still reads these.
-static void tell(halo *h, moving *m, halo_side *from, halo_side *to, uint32_t bytes)
+void halo_tell_home(halo *h, moving *m, duet_error *own)
 {
-    const chosen out = all_of(from), in = all_of(to);
-    from->rows.row_bytes = to->rows.row_bytes = bytes;
-    count(from, &out, m->ranks->n);
-    count(to, &in, m->ranks->n);
-    parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
+    const rows_moved rows = {GHOSTS, {.at = {GHOST_AT_HOME}, .words = {1}}};
+    move(h, m, HALO_ALL, &h->sent, &h->received, &rows, pack_used, domain_unpack_listed, own);
 }
 
-void halo_tell_home(halo *h, moving *m)
+// The lists that a ghost is in, a bit for each. Contacts without a colour of their own leave it
+// wrong, for not all need be here.
+static uint64_t lists_of(const ghost_colours *c)
 {
-    uint32_t *at_home = h->sent.rows.rows;
-    const uint32_t *theirs = h->received.rows.rows;
-    for (uint64_t i = 0; i < h->sent.items.n; ++i) {
-        const halo_item *item = item_at(&h->sent, i);
-        at_home[i] = m->domains[item->domain].used[item->place];
-    }
-    tell(h, m, &h->sent, &h->received, sizeof *at_home);
-    for (uint64_t i = 0; i < h->received.items.n; ++i)
-        h->received.colours[i] = (ghost_colours){.at_home = theirs[i]};
+    const uint32_t lost = c->at_home & ~(c->here & ((1u << HALO_COLOURS) - 1));
+    return (uint64_t)c->comes | (uint64_t)(c->here != 0 && lost != 0) << HALO_ANY |
+           (uint64_t)(c->here == 0 && c->at_home != 0) << HALO_LATE;
 }
 
-// The colours of contacts that leave the ghost wrong. Not all need be here of those without a
-// colour of their own.
-static uint32_t lost_of(const ghost_colours *c)
+// Makes space for each list behind the one of all.
+static bool lay_lists(halo_side *s, const ghost_colours *colours, int n_ranks, duet_error *own)
 {
-    return c->at_home & ~(c->here & ((1u << HALO_COLOURS) - 1));
-}
-
-static void list_ghost(halo_side *s, uint64_t i)
-{
-    const ghost_colours *c = &s->colours[i];
-    for (uint32_t left = c->comes; left != 0; left &= left - 1)
-        row_list_add(&s->comes_after[__builtin_ctz(left)], (uint32_t)i);
-    if (c->here != 0 && lost_of(c) != 0)
-        row_list_add(&s->comes_after[HALO_ANY], (uint32_t)i);
-    if (c->here == 0 && c->at_home != 0)
-        row_list_add(&s->comes_after[HALO_LATE], (uint32_t)i);
-}
-
-static void list_ghosts(halo_side *s, duet_error *own)
-{
-    bool failed = false;
-    for (int k = 0; k < HALO_LISTS; ++k)
-        list_clear(&s->comes_after[k].list);
+    uint32_t n[HALO_LISTS] = {0};
+    uint64_t all = s->items.n;
     for (uint64_t i = 0; i < s->items.n; ++i)
-        list_ghost(s, i);
-    for (int k = 0; k < HALO_LISTS; ++k)
-        failed = failed || s->comes_after[k].failed;
-    if (failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+        for (uint64_t left = lists_of(&colours[i]); left != 0; left &= left - 1)
+            ++n[__builtin_ctzll(left)];
+    for (int k = 0; k < HALO_ALL; ++k) {
+        clear_list(s, k, n_ranks);
+        s->first[k] = (uint32_t)all;
+        all += n[k];
+    }
+    s->places.n = all;
+    return reserve_places(s, all, own);
+}
+
+static void list_ghosts(halo_side *s, const moving *m, duet_error *own)
+{
+    const ghost_colours *colours = s->rows.rows;
+    if (!lay_lists(s, colours, m->ranks->n, own))
+        return;
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        for (uint64_t left = lists_of(&colours[i]); left != 0; left &= left - 1)
+            add_to_list(s, __builtin_ctzll(left), item_at(s, i), m->ranks->n);
+    tell_places(s, m, (uint32_t)s->items.n, own);
 }
 
 void halo_ask(halo *h, moving *m, duet_error *own)
 {
-    const size_t bytes = sizeof(ghost_colours);
-    memcpy(h->received.rows.rows, h->received.colours, h->received.items.n * bytes);
-    tell(h, m, &h->received, &h->sent, (uint32_t)bytes);
-    memcpy(h->sent.colours, h->sent.rows.rows, h->sent.items.n * bytes);
-    list_ghosts(&h->sent, own);
-    list_ghosts(&h->received, own);
+    const rows_moved rows = {GHOSTS, {.words = {GHOST_WORDS}}};
+    move(h, m, HALO_ALL, &h->received, &h->sent, &rows, domain_pack_listed, NULL, own);
+    if (is_well(own))
+        list_ghosts(&h->sent, m, own);
+    if (is_well(own))
+        list_ghosts(&h->received, m, own);
+}
+
+// ---------------------------------------------------------------- contacts
+
+// Contacts that one side asks for, in the order of ghosts and of colours.
+typedef struct asked_list {
+    LIST_OF(asked_contact, contacts) list;
+    halo_runs runs;
+} asked_list;
+
+static void list_asked(const halo_side *s, parcels *rows, asked_list *asked)
+{
+    const ghost_colours *colours = s->rows.rows;
+    for (uint64_t i = 0; i < s->items.n; ++i) {
+        const halo_item *item = item_at(s, i);
+        for (uint32_t left = colours[i].asked; left != 0; left &= left - 1) {
+            const asked_contact one = {item->place, (uint32_t)__builtin_ctz(left)};
+            const uint64_t n = asked->runs.n, at = asked->list.n;
+            if (n == 0 || asked->runs.runs[n - 1].domain != item->domain)
+                list_add(&asked->runs.list, &(halo_run){item->domain, (uint32_t)at, 0}, 1,
+                         sizeof(halo_run));
+            list_add(&asked->list.list, &one, 1, sizeof one);
+            if (!asked->runs.failed)
+                ++asked->runs.runs[asked->runs.n - 1].n;
+            ++rows->counts[item->rank];
+        }
+    }
+}
+
+static void end_asked(asked_list *asked)
+{
+    free(asked->list.contacts);
+    free(asked->runs.runs);
+}
+
+static void read_asked(const halo_side *s, const moving *m, parcels *out, duet_error *own)
+{
+    asked_list asked = {0};
+    list_asked(s, out, &asked);
+    bool ok = parcels_reserve(out, m->ranks, NULL, own);
+    if (asked.list.failed || asked.runs.failed)
+        ok = error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+    for (uint64_t i = 0; ok && i < asked.runs.n; ++i) {
+        const halo_run *run = &asked.runs.runs[i];
+        ok =
+            domain_read_asked(m->domains[run->domain].motion, asked.list.contacts + run->first,
+                              run->n, (char *)out->rows + (size_t)run->first * out->row_bytes, own);
+    }
+    end_asked(&asked);
+}
+
+static void take_asked(halo_side *s, const moving *m, const parcels *in, duet_error *own)
+{
+    asked_list asked = {0};
+    memset(s->rows.counts, 0, (size_t)m->ranks->n * sizeof *s->rows.counts);
+    list_asked(s, &s->rows, &asked);
+    bool ok = !asked.list.failed && !asked.runs.failed;
+    if (!ok)
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+    for (uint64_t i = 0; ok && i < asked.runs.n; ++i) {
+        const halo_run *run = &asked.runs.runs[i];
+        ok = domain_take_asked(m->domains[run->domain].motion, asked.list.contacts + run->first,
+                               run->n, (const char *)in->rows + (size_t)run->first * in->row_bytes,
+                               own);
+    }
+    end_asked(&asked);
+}
+
+bool halo_bring_asked(halo *h, moving *m, duet_error *own)
+{
+    parcels out = {0}, in = {0};
+    const uint32_t bytes = (uint32_t)domain_asked_bytes(m->domains[0].motion);
+    if (m->every == 1)
+        return true;
+    if (is_well(own) && parcels_begin(&out, m->ranks, bytes, own))
+        read_asked(&h->sent, m, &out, own);
+    bool ok = parcels_exchange(m->ranks, is_well(own), &out, &in, own);
+    h->n_asked += ok ? in.n : 0;
+    if (ok)
+        take_asked(&h->received, m, &in, own);
+    parcels_end(&out);
+    parcels_end(&in);
+    return ok;
 }

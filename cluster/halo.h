@@ -5,10 +5,9 @@
 #ifndef CLUSTER_HALO_H
 #define CLUSTER_HALO_H
 
-#include "cluster/closure.h"
 #include "cluster/list.h"
 #include "cluster/parcels.h"
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/domain_motion.h"
 
 // A ghost, at the side that sends it or at the one that has it.
 typedef struct halo_item {
@@ -18,24 +17,45 @@ typedef struct halo_item {
     uint32_t domain, place; // at this side, of this rank's domains
 } halo_item;
 
-// Lists of ghosts: those that come after a colour, which have numbers from 0; after all colours;
-// those that any contact leaves wrong; and those that have contacts at home and none here, which
-// nobody asks for before the step ends.
-enum { HALO_COLOURS = CLOSURE_COLOURS, HALO_END = CLOSURE_END, HALO_ANY, HALO_LATE, HALO_LISTS };
+// Lists of ghosts: all; those that come after a colour, which have numbers from 0; after all
+// colours; those that any contact leaves wrong; and those that have contacts at home and none here,
+// which nobody asks for before the step ends.
+enum { HALO_COLOURS = 31, HALO_END = HALO_COLOURS, HALO_ANY, HALO_LATE, HALO_ALL, HALO_LISTS };
+
+// Bits for colours of a ghost's contacts. Those of `comes` are colours after which the ghost is to
+// be sent; HALO_END: after all.
+typedef struct ghost_colours {
+    uint32_t at_home; // of all its contacts
+    uint32_t here;    // of those that are solved here
+    uint32_t comes;
+    uint32_t asked; // of those that are to be sent from its home
+} ghost_colours;
+
+// Items of one domain that follow each other in a list.
+typedef struct halo_run {
+    uint32_t domain;
+    uint32_t first, n;
+} halo_run;
+
+typedef LIST_OF(halo_run, runs) halo_runs;
 
 // The items at one side.
 typedef struct halo_side {
-    item_list items;                  // halo_item
-    ghost_colours *colours;           // [items], of the step
-    row_list comes_after[HALO_LISTS]; // items that are then to be sent
-    uint32_t *places;                 // [items] of those that travel
-    parcels rows;
+    item_list items; // halo_item
+    row_list places; // of all lists, that of all items first; each device has them
+    uint32_t first[HALO_LISTS], n[HALO_LISTS]; // of each list in there
+    halo_runs runs[HALO_LISTS];
+    uint64_t *counts; // [HALO_LISTS][ranks] items of each list
+    host_block block; // memory that rows go and come by
+    parcels rows;     // they lie in it
 } halo_side;
 
 typedef struct halo {
     halo_side sent, received;
     MPI_Request *requests;
-    uint64_t n_exchanges; // so far, in which this rank had rows to send or to receive
+    // so far: exchanges in which this rank had rows to send or to receive, rows that it sent, and
+    // contacts that came as they were asked for
+    uint64_t n_exchanges, n_rows, n_asked;
 } halo;
 
 struct moving;
@@ -51,15 +71,21 @@ bool halo_settle(halo *h, struct moving *m, duet_error *own);
 // or fails, sends rows all the same, so that no exchange of a step needs agreement.
 void halo_exchange(halo *h, struct moving *m, motion_buffer which, duet_error *own);
 
-// Tells those that have ghosts the colours that these have at home, as domains know them of their
-// bodies (moving_domain.used); and those whose own they are when they are to come back. Both are
-// collective and need agreement.
-void halo_tell_home(halo *h, struct moving *m);
+// Tells those that have ghosts the colours that these have at home; and those whose own they are
+// when they are to come back, and which contacts with them. Both are collective and need agreement.
+void halo_tell_home(halo *h, struct moving *m, duet_error *own);
 void halo_ask(halo *h, struct moving *m, duet_error *own);
+
+// Brings the contacts that were asked for. Collective; a rank may have failed alone after it.
+bool halo_bring_asked(halo *h, struct moving *m, duet_error *own);
 
 // Makes velocities, and the impulses to warm start with, those of the ghosts' own domains after
 // contacts of a colour, or of all (HALO_END); HALO_ANY: of all that any contact leaves wrong.
 void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
+
+// Makes the ways of all ghosts that are pushed, which are a vector of their bodies, those of a
+// round.
+void halo_exchange_ways(halo *h, struct moving *m, uint32_t round, duet_error *own);
 
 // Makes all of the bodies of HALO_LATE those of their own domains.
 void halo_exchange_late(halo *h, struct moving *m, duet_error *own);

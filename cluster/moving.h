@@ -18,8 +18,9 @@ typedef struct moving_counts {
     uint64_t contacts; // that push
     uint64_t ghosts;
     // By this rank, so far: bodies whose states were read, and rows of bodies; contacts that waited
-    // for colours which others decide as well, and how often one was told to another rank.
-    uint64_t read, sent, waited, told;
+    // for colours which others decide as well, and how often one was told to another rank; and
+    // contacts of ghosts that it sent as bodies were exchanged.
+    uint64_t read, sent, waited, told, shared;
     uint32_t colours;
     double slowest_ms, mean_ms; // that ranks were busy in the last step
     uint32_t slowest_rank;      // of the last steps that were compared

@@ -355,12 +355,9 @@ void moving_end(moving *m)
         free(m->domains[k].came.items);
         free(m->domains[k].contacts.items);
         free(m->domains[k].used);
-        free(m->domains[k].ghost_at);
         free(m->domains[k].places);
-        free(m->domains[k].left.contacts);
         free(m->domains[k].neighbours.rows);
         domain_contacts_free(&m->domains[k].told);
-        free(m->domains[k].border.rows);
         free(m->domains[k].waiting.rows);
         free(m->domains[k].in_order.rows);
     }

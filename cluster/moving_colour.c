@@ -10,46 +10,9 @@
 
 // ---------------------------------------------------------------- one domain
 
-// Whether a contact that begins to push may be solved here: of two ghosts, only as at home.
-static bool may_wait(const moving *m, const moving_domain *d, const uint32_t ends[2])
+// The bodies that waiting contacts have.
+static void list_ends(const moving_domain *d, row_list *places)
 {
-    return moving_decides_contact(d, ends) ||
-           (m->every > 1 && !moving_is_left(d, moving_id(m, d, ends[0]), moving_id(m, d, ends[1])));
-}
-
-static void note_used(moving_domain *d, uint32_t i)
-{
-    const uint32_t *ends = d->told.links[i].s;
-    for (int k = 0; k < 2; ++k)
-        if (d->places[ends[k]].kind & PLACE_MOVES)
-            d->used[ends[k]] |= 1u << d->told.colours[i];
-}
-
-// The device lets all that begins to push wait.
-static void list_told(const moving *m, moving_domain *d)
-{
-    list_clear(&d->border.list);
-    list_clear(&d->waiting.list);
-    for (uint32_t i = 0; i < d->told.n; ++i) {
-        const uint32_t *ends = d->told.links[i].s;
-        uint32_t *colour = &d->told.colours[i];
-        if (moving_is_ghost(d, ends[0]) || moving_is_ghost(d, ends[1]))
-            row_list_add(&d->border, i);
-        if (*colour == COLOUR_WAITS && !may_wait(m, d, ends))
-            *colour = COLOUR_NONE;
-        if (*colour == COLOUR_WAITS)
-            row_list_add(&d->waiting, i);
-    }
-}
-
-// The bodies whose colours others are told of: those that are ghosts elsewhere, and ends of what
-// waits.
-static void list_used(const moving *m, const moving_domain *d, row_list *places)
-{
-    const halo_item *sent = m->halo.sent.items.items;
-    for (uint64_t i = 0; i < m->halo.sent.items.n; ++i)
-        if (&m->domains[sent[i].domain] == d)
-            row_list_add(places, sent[i].place);
     for (uint64_t i = 0; i < d->waiting.n; ++i)
         for (int k = 0; k < 2; ++k) {
             const uint32_t place = d->told.links[d->waiting.rows[i]].s[k];
@@ -58,10 +21,10 @@ static void list_used(const moving *m, const moving_domain *d, row_list *places)
         }
 }
 
-static void read_used(const moving *m, moving_domain *d, duet_error *own)
+static void read_used(moving_domain *d, duet_error *own)
 {
     row_list places = {0};
-    list_used(m, d, &places);
+    list_ends(d, &places);
     uint32_t *used = malloc((places.n + 1) * sizeof *used);
     if (!used || places.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
@@ -99,13 +62,16 @@ static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *wa
                              duet_error *own)
 {
     domain_contacts_free(&d->told);
-    if (!domain_colour_inner(d->motion, &d->told, own))
+    list_clear(&d->waiting.list);
+    if (!domain_colour_inner(d->motion, m->every, &d->told, own))
         return;
-    list_told(m, d);
-    if (d->border.failed || d->waiting.failed)
+    for (uint32_t i = 0; i < d->told.n; ++i)
+        if (d->told.colours[i] == COLOUR_WAITS)
+            row_list_add(&d->waiting, i);
+    if (d->waiting.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
     else
-        read_used(m, d, own);
+        read_used(d, own);
     if (is_well(own))
         list_waiting(m, d, waiting);
 }
@@ -142,7 +108,7 @@ static bool tell_all(moving *m, const waiting_list *waiting, parcels *all, duet_
     return parcels_deal(m->ranks, is_well(own), &out, all, own);
 }
 
-// A contact of two ghosts that does not wait at home waits on: its colour is not known here.
+// A contact of two ghosts that does not wait at home was left there: its colour is not known here.
 static void take_colours(const moving *m, moving_domain *d, const waiting_contact *waiting,
                          uint64_t n)
 {
@@ -150,25 +116,19 @@ static void take_colours(const moving *m, moving_domain *d, const waiting_contac
         const uint32_t row = d->waiting.rows[i], *ends = d->told.links[row].s;
         uint32_t found =
             colouring_find(waiting, n, moving_id(m, d, ends[0]), moving_id(m, d, ends[1]));
-        if (found == COLOUR_NONE)
-            continue;
-        d->told.colours[row] = found;
-        note_used(d, row);
+        d->told.colours[row] = found <= COLOUR_OVERFLOW ? found : COLOUR_LEFT | COLOUR_NONE;
     }
 }
 
-// A contact is counted by the domain whose own its owner is: those of others are among what the
-// host looks at.
-static void count(const moving_domain *d, tally *t)
+// A contact is counted by the domain whose own its owner is.
+static void count(const moving_domain *d, const domain_closed *closed, tally *t)
 {
     const contact_solver *s = &d->motion->solver;
-    uint64_t n = s->n_pushing, colours = 0;
+    uint64_t colours = 0;
     for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k)
         colours = s->colours[k].count > 0 ? k + 1 : colours;
-    for (uint32_t i = 0; i < d->told.n; ++i)
-        n -= d->told.colours[i] < COLOUR_WAITS &&
-             !(d->places[d->told.links[i].s[0]].kind & PLACE_OWN);
-    t->sums[0] += n;
+    t->sums[0] += s->n_pushing - closed->n_foreign;
+    t->sums[1] += closed->n_mistaken;
     t->greatest[0] = t->greatest[0] > (double)colours ? t->greatest[0] : (double)colours;
 }
 
@@ -180,7 +140,7 @@ static void add_in_order(const moving *m, const moving_domain *d, const domain_c
     for (uint32_t i = 0; i < c->n; ++i) {
         const waiting_contact one = {.owner = moving_id(m, d, c->links[i].s[0]),
                                      .other = moving_id(m, d, c->links[i].s[1])};
-        if (c->colours[i] == COLOUR_OVERFLOW)
+        if (c->colours[i] == COLOUR_OVERFLOW && moving_decides_contact(d, c->links[i].s))
             list_add(&list->list, &one, 1, sizeof one);
     }
 }
@@ -190,7 +150,7 @@ static void note_in_order(const moving *m, moving_domain *d, const domain_contac
 {
     list_clear(&d->in_order.list);
     for (uint32_t i = 0; i < c->n; ++i)
-        if (c->colours[i] == COLOUR_OVERFLOW)
+        if (c->colours[i] == COLOUR_OVERFLOW && moving_decides_contact(d, c->links[i].s))
             row_list_add(&d->in_order,
                          (uint32_t)colouring_place(all, n, moving_id(m, d, c->links[i].s[0]),
                                                    moving_id(m, d, c->links[i].s[1])));
@@ -216,31 +176,48 @@ static bool order_contacts(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- all of it
 
-static bool end_colouring(moving *m, tally *t, duet_error *own)
+static void close_domain(const moving *m, moving_domain *d, duet_error *own)
 {
-    if (!ranks_agree_and(m->ranks, is_well(own), t, own))
-        return false;
-    m->counts.colours = (uint32_t)t->greatest[0];
-    m->counts.contacts = t->sums[0];
-    m->n_in_order = 0;
-    return m->counts.colours <= COLOUR_OVERFLOW || order_contacts(m, own);
+    if (is_well(own))
+        domain_close(d->motion, m->every, own);
 }
 
-// All domains' own contacts have colours: finds which others are solved here, and gives them to the
-// motions.
+static void list_colours(moving_domain *d, tally *t, duet_error *own)
+{
+    domain_closed closed;
+    if (domain_count_closed(d->motion, &closed, own) && domain_take_colours(d->motion, own))
+        count(d, &closed, t);
+}
+
+// Finds which contacts of ghosts are solved here, and lists contacts by colour.
+static bool close_all(moving *m, tally *t, duet_error *own)
+{
+    *t = (tally){0};
+    for (uint32_t k = 0; k < m->parts; ++k)
+        close_domain(m, &m->domains[k], own);
+    halo_ask(&m->halo, m, own);
+    if (!halo_bring_asked(&m->halo, m, own))
+        return false;
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        list_colours(&m->domains[k], t, own);
+    return ranks_agree_and(m->ranks, is_well(own), t, own);
+}
+
+// All domains' own contacts have colours. Contacts that came instead of those that were meant are
+// known from now on, so that few rounds end it.
 static bool give_colours(moving *m, duet_error *own)
 {
-    tally t = {.sums = {0}};
-    halo_tell_home(&m->halo, m);
-    if (is_well(own))
-        moving_close(m, own);
-    halo_ask(&m->halo, m, own);
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
-        moving_domain *d = &m->domains[k];
-        if (domain_take_colours(d->motion, &d->told, own))
-            count(d, &t);
-    }
-    return end_colouring(m, &t, own);
+    tally t = {.sums = {0, 1}};
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_write_colours(m->domains[k].motion, &m->domains[k].told, own);
+    halo_tell_home(&m->halo, m, own);
+    while (t.sums[1] > 0)
+        if (!close_all(m, &t, own))
+            return false;
+    m->counts.colours = (uint32_t)t.greatest[0];
+    m->counts.contacts = t.sums[0];
+    m->n_in_order = 0;
+    return m->counts.colours <= COLOUR_OVERFLOW || order_contacts(m, own);
 }
 
 bool moving_colour(moving *m, duet_error *own)

@@ -9,9 +9,10 @@
 //     step whose bounds have left its domain's reach, or meet one that they did not meet then. So
 //     all contacts of its own bodies that act are there, and right.
 //   - A ghost has its own domain's bits at the step's beginning, and in a sweep of colours whenever
-//     a contact that is solved here needs it (closure.h).
+//     a contact that is solved here needs it
+//     (kernels/dynamics/closure.cl).
 //   - Between steps a contact of two ghosts has the bits that it has at home, or it was left there:
-//     then it has no colour here, and is not solved.
+//     then COLOUR_LEFT says so, and it comes from there before it is solved here again.
 //   - Ids ascend with places in each domain, so nothing that decides a bit depends on borders.
 #ifndef CLUSTER_MOVING_DOMAINS_H
 #define CLUSTER_MOVING_DOMAINS_H
@@ -56,13 +57,6 @@ typedef struct moving_contact {
 
 #define TOLD_BY_NONE UINT32_MAX
 
-// A contact of two ghosts, by ids.
-typedef struct left_contact {
-    uint32_t owner, other;
-} left_contact;
-
-typedef LIST_OF(left_contact, contacts) left_list;
-
 typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;  // of all ranks' domains
@@ -71,20 +65,17 @@ typedef struct moving_domain {
     item_list came;   // travellers that the motion is to get, its own ones first, and so many
     uint64_t n_came_own;
     extent reach;       // of own bodies that act and stay
+    item_list shared;   // contacts of ghosts that came, while they are shared
     item_list contacts; // ascending; those that travelled and the next step begins with, until that
                         // begins
     uint32_t n_own;
-    uint32_t *used;       // [bodies], a bit for each colour of the contacts that it has here: of
-                          // bodies that others are told of, and of ends of what waits
-    uint32_t *ghost_at;   // [bodies] of the halo's received items; CLOSURE_NONE: an own body
+    uint32_t *used;       // [bodies] of ends of what waits: a bit for each colour of the contacts
+                          // that they have here
     domain_place *places; // [bodies + FIXED], apart from the long rows of bodies
     row_list in_order;    // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     row_list neighbours;  // domains whose reaches meet its own
-    left_list left;       // contacts of two ghosts that are not as at home: ascending
-    domain_contacts told; // contacts of the step that the host looks at, with colours if they are
-                          // solved here
-    row_list border;      // those of them that have a ghost
-    row_list waiting;     // and those that wait for a colour
+    domain_contacts told; // contacts of the step that waited for a colour, or are solved in order
+    row_list waiting;     // those of them that waited
 } moving_domain;
 
 // Whether ranks have equal work.
@@ -250,6 +241,14 @@ void moving_round_extent(const moving *m, const extent *e, bool inward, float to
 // Brings own bodies to their domains. Collective.
 bool moving_migrate(moving *m, item_list *bodies, duet_error *own);
 
+// Sends each row, which begins with the domain that it goes to, and adds those that came to their
+// domains' lists. Collective.
+typedef item_list *moving_list_of(moving_domain *d);
+bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list, duet_error *own);
+
+// After an exchange: brings contacts of ghosts that may be solved here. Collective.
+bool moving_share_contacts(moving *m, duet_error *own);
+
 // Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
 bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own);
 
@@ -285,10 +284,10 @@ static inline bool moving_all_travel(const moving *m)
 }
 
 // Whether all contacts of a domain travel when bodies are exchanged, also those that stay there:
-// they do if they tell something, or others solve them, too.
+// they do if they tell something.
 static inline bool moving_sends_all(const moving *m)
 {
-    return m->every > 1 || moving_tells(m) || !moving_pushes(m);
+    return moving_tells(m) || !moving_pushes(m);
 }
 
 // Writes a contact of a domain's motion, and its record behind, to where it has space.
@@ -306,16 +305,5 @@ void moving_note_fixed(const moving *m, moving_domain *d, uint64_t n);
 
 // Gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);
-
-// Takes away the colours of the step's contacts of ghosts that are not solved here, and finds when
-// ghosts come.
-void moving_close(moving *m, duet_error *own);
-
-// Whether a contact of two ghosts was left at home.
-bool moving_is_left(const moving_domain *d, uint32_t owner, uint32_t other);
-
-// After a step: contacts that are solved at home alone, of ghosts that others are solved of here,
-// become as at home, so that the next step may solve them. Collective.
-bool moving_refresh(moving *m, duet_error *own);
 
 #endif

@@ -29,10 +29,7 @@ static int rank_of(const void *context, uint64_t i)
     return (int)(row_domain((const char *)d->rows->items + i * d->bytes) / d->m->parts);
 }
 
-typedef item_list *list_of_domain(moving_domain *d);
-
-// Sends each row to its domain, and adds those that came to their domains' lists.
-static bool deal(moving *m, item_list *rows, size_t bytes, list_of_domain *list, duet_error *own)
+bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list, duet_error *own)
 {
     const dealing d = {m, rows, bytes};
     const parcels_def out = {
@@ -70,7 +67,7 @@ bool moving_migrate(moving *m, item_list *bodies, duet_error *own)
         moving_traveller *t = moving_traveller_at(m, bodies, i);
         t->body.own = t->domain;
     }
-    bool ok = deal(m, bodies, m->traveller_bytes, came_of, own);
+    bool ok = moving_deal(m, bodies, m->traveller_bytes, came_of, own);
     for (uint32_t k = 0; k < m->parts; ++k)
         m->domains[k].n_came_own = m->domains[k].came.n;
     return ok;
@@ -222,66 +219,9 @@ static bool exchange_ghosts(moving *m, duet_error *own)
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         send_ghosts(m, &m->domains[k], &out, own);
     m->counts.sent += out.n;
-    bool ok = deal(m, &out, m->traveller_bytes, came_of, own);
+    bool ok = moving_deal(m, &out, m->traveller_bytes, came_of, own);
     if (ok && is_well(own))
         note_ghosts(m);
-    free(out.items);
-    return ok;
-}
-
-// ---------------------------------------------------------------- contacts of ghosts
-
-// Items ascend by the domain of this rank, and then by id.
-static int compare_visits(const void *left, const void *right)
-{
-    const halo_item *a = left, *b = right;
-    if (a->domain != b->domain)
-        return a->domain < b->domain ? -1 : 1;
-    return a->id < b->id ? -1 : a->id > b->id;
-}
-
-// The first of the visits that an own body makes; the n-th: it makes none.
-static uint64_t first_visit(const item_list *visits, uint32_t domain, uint32_t id)
-{
-    const halo_item key = {.domain = domain, .id = id};
-    uint64_t low = 0, high = visits->n;
-    while (low < high) {
-        uint64_t middle = low + (high - low) / 2;
-        if (compare_visits((const halo_item *)visits->items + middle, &key) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-// A contact goes where its owner is a ghost: the other end is there, too, or it is dropped.
-static void list_shared(const moving *m, uint32_t domain, const item_list *visits, item_list *out)
-{
-    const moving_domain *d = &m->domains[domain];
-    for (uint64_t i = 0; i < d->contacts.n; ++i) {
-        const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        const halo_item *v = visits->items;
-        for (uint64_t k = first_visit(visits, domain, c->owner);
-             k < visits->n && v[k].domain == domain && v[k].id == c->owner; ++k) {
-            list_add(out, c, 1, m->contact_bytes);
-            if (!out->failed)
-                moving_contact_at(m, out, out->n - 1)->domain = v[k].to;
-        }
-    }
-}
-
-// If contacts of two ghosts are solved, too, they must be as at home.
-static bool share_contacts(moving *m, duet_error *own)
-{
-    item_list out = {0}, *visits = &m->halo.sent.items;
-    if (m->every == 1)
-        return true;
-    if (is_well(own) && visits->n > 0 && !visits->failed)
-        qsort(visits->items, visits->n, sizeof(halo_item), compare_visits);
-    for (uint32_t k = 0; is_well(own) && !visits->failed && k < m->parts; ++k)
-        list_shared(m, k, visits, &out);
-    bool ok = deal(m, &out, m->contact_bytes, contacts_of, own);
     free(out.items);
     return ok;
 }
@@ -329,21 +269,14 @@ void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
         d->places[i] = moving_place_of(d, &d->bodies.rows[i], &d->motion->bodies[i]);
 }
 
-// All bodies are own ones until ghosts are noted.
 static void reserve_colours(moving_domain *d, duet_error *own)
 {
     const size_t bytes = (d->bodies.n + FIXED) * sizeof(uint32_t);
-    uint32_t *used = realloc(d->used, bytes), *ghost_at = realloc(d->ghost_at, bytes);
+    uint32_t *used = realloc(d->used, bytes);
     d->used = used ? used : d->used;
-    d->ghost_at = ghost_at ? ghost_at : d->ghost_at;
-    list_clear(&d->left.list);
-    if (used && ghost_at) {
-        memset(used, 0, bytes);
-        memset(ghost_at, 0xFF, bytes);
-    } else {
+    if (!used)
         error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
                   (uint32_t)d->bodies.n);
-    }
 }
 
 // They are long, and here only while they are exchanged.
@@ -360,18 +293,19 @@ bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_err
     m->counts.sent += bodies->n;
     bool ok = moving_migrate(m, bodies, own);
     if (ok && moving_touches(m))
-        ok = deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own) &&
-             share_contacts(m, own);
+        ok =
+            moving_deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
         moving_replace(m, &m->domains[k], own);
         forget_travellers(&m->domains[k]);
         reserve_colours(&m->domains[k], own);
     }
-    if (ok)
-        moving_note_touching(m, own);
     ok = ok && halo_settle(&m->halo, m, own);
     if (ok && is_well(own))
         mark_places(m, own);
+    ok = ok && moving_share_contacts(m, own);
+    if (ok)
+        moving_note_touching(m, own);
     tally t = {.sums = {m->n_ghosts}};
     ok = ok && ranks_agree_and(m->ranks, is_well(own), &t, own);
     m->counts.ghosts = t.sums[0];

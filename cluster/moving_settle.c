@@ -302,8 +302,12 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 }
 
 // Ghosts and own bodies that leave take their contacts along.
-static void mark_travelling(moving_domain *d, duet_error *own)
+static void mark_travelling(const moving *m, moving_domain *d, duet_error *own)
 {
+    const halo_item *sent = m->halo.sent.items.items;
+    for (uint64_t i = 0; i < m->halo.sent.items.n; ++i)
+        if (&m->domains[sent[i].domain] == d)
+            d->places[sent[i].place].kind &= ~PLACE_SHARED;
     for (uint64_t i = 0; i < d->gone.n; ++i) {
         const moving_body *b = &d->bodies.rows[d->gone.rows[i]];
         if (!moving_is_own(d, b) || b->next != d->number)
@@ -312,28 +316,13 @@ static void mark_travelling(moving_domain *d, duet_error *own)
     domain_mark_places(d->motion, d->places, own);
 }
 
-// Leaves those contacts that travel of the ones that the host is told of.
-static void leave_travelling(const moving_domain *d, domain_contacts *c)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < c->n; ++i) {
-        const uint32_t *ends = c->links[i].s;
-        if (!((d->places[ends[0]].kind | d->places[ends[1]].kind) & PLACE_SHARED))
-            continue;
-        c->rows[kept] = c->rows[i];
-        c->links[kept++] = c->links[i];
-    }
-    c->n = kept;
-}
-
 // Reads the contacts that travel; the others stay in the motion.
 static void read_travelling(moving *m, moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts listed = {0};
-    mark_travelling(d, own);
-    if (!is_well(own) || !domain_list_border(d->motion, &listed, own))
+    mark_travelling(m, d, own);
+    if (!is_well(own) || !domain_list_shared(d->motion, &listed, own))
         return;
-    leave_travelling(d, &listed);
     if (domain_reserve_rows(&listed, d->motion, own) && domain_read_rows(d->motion, &listed, own))
         add_contacts(m, d, &listed, contacts, own);
     domain_contacts_free(&listed);
@@ -376,4 +365,17 @@ bool moving_settle(moving *m, duet_error *own)
     free(bodies.items);
     free(contacts.items);
     return ok;
+}
+
+uint32_t moving_get_every(const moving *m)
+{
+    return m->every;
+}
+
+// Ghosts lie deeper for more colours, and contacts of two of them are as at home after an exchange.
+bool moving_set_every(moving *m, uint32_t every, duet_error *own)
+{
+    bool is_new = m->every != every;
+    m->every = every;
+    return !is_new || m->n_domains == 1 || moving_settle(m, own);
 }

@@ -153,7 +153,7 @@ static void push_sleepers(moving *m, duet_error *own)
     for (uint32_t round = 0; round < PRESSED_ROUNDS; ++round) {
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
             domain_push_sleepers(m->domains[k].motion, round, own);
-        halo_exchange(&m->halo, m, BODIES, own);
+        halo_exchange_ways(&m->halo, m, round, own);
     }
     each(m, domain_move_sleepers, own);
 }
@@ -171,8 +171,6 @@ static bool respond(moving *m, duet_error *own)
         return false;
     halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
-    if (!moving_refresh(m, own))
-        return false;
     if (t.sums[1] > 0)
         push_sleepers(m, own);
     each(m, domain_end_step, own);

@@ -1,19 +1,30 @@
 // SPDX-License-Identifier: MIT
-// Contacts of a domain that is one of many: its host looks at those that have a shared end, and at those
-// that wait for a colour which more than this domain's contacts decide.
+// Contacts of a domain that is one of many: its host looks at those that wait for a colour which more than this
+// domain's contacts decide, and at those that travel.
 //
 // Invariant: choices of shared bodies are NONE, so that graph_colour_take takes none of their contacts, and
 // none of lesser rank beside these: what it takes has the colour that all domains together would find.
 //
-//   mark_border   contacts that begin to push wait, as in graph_colour_mark
+//   mark_border   contacts that begin to push wait, as in graph_colour_mark; those of ghosts alone only if they
+//                 may be solved here
 //   choose_inner  as graph_colour_choose; ranks come from ids, which here are no places
-//   count_border  1 for each contact that the host is told of
+//   count_border  1 for each contact that is listed
 //   list_border   which these are
 //   used_colours  of some bodies: a bit for each colour that their contacts have
 //
 //   places        [n + FIXED] id, and bits of border.h
 //   border_starts [n_contacts + 1]
-//   border        row, owner, other and colour of each that is told; rows ascend
+//   border        row, owner, other and colour of each that is listed; rows ascend
+static inline bool decides(uint kind)
+{
+    return (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
+}
+
+static inline bool is_ghost(uint kind)
+{
+    return (kind & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
+}
+
 static inline bool is_awake(uint kind, uint asleep)
 {
     return (kind & PLACE_MOVES) && !(asleep & SLEEPS);
@@ -31,8 +42,10 @@ __kernel void mark_border(MARK_BORDER_ARGS)
     for (uint i = first; i < last; ++i) {
         uint2 link = links[i], kind = (uint2)(places[link.x].y, places[link.y].y);
         uint old = colours[i];
+        if (old & COLOUR_LEFT)
+            continue;
         bool pushes = (touches[i] & TOUCH_POINTS) && !((kind.x | kind.y) & PLACE_SENSOR) &&
-                      (IS_AWAKE(link.x) || IS_AWAKE(link.y));
+                      (IS_AWAKE(link.x) || IS_AWAKE(link.y)) && (every > 1 || decides(kind.x) || decides(kind.y));
         uint colour = !pushes ? COLOUR_NONE : old == COLOUR_NONE ? COLOUR_WAITS : old;
         colours[i] = colour;
         if (colour != COLOUR_WAITS)
@@ -73,16 +86,26 @@ __kernel void choose_inner(CHOOSE_INNER_ARGS)
     }
 }
 
+static inline bool is_told(uint kind, uint other, uint colour, uint touch, uint listed)
+{
+    if (listed == LISTED_WAITING)
+        return colour == COLOUR_WAITS || colour == COLOUR_OVERFLOW;
+    if (listed == LISTED_GHOSTS)
+        return (colour & BORDER_COLOUR) <= COLOUR_OVERFLOW && (is_ghost(kind) || is_ghost(other));
+    if (!(touch & TOUCH_POINTS))
+        return false;
+    if (listed == LISTED_SHARED)
+        return (kind | other) & PLACE_SHARED;
+    const uint sent = PLACE_OWN | PLACE_MOVES | PLACE_SHARED;
+    return ((kind & PLACE_MOVES ? kind : other) & sent) == sent;
+}
+
 __kernel void count_border(COUNT_BORDER_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_contacts + 1);
     for (uint i = first; i < last; ++i) {
-        bool told = false;
         uint2 link = i < n_contacts ? links[i] : (uint2)(NO_PLACE);
-        if (link.x != NO_PLACE) {
-            told = colours[i] == COLOUR_WAITS || colours[i] == COLOUR_OVERFLOW ||
-                   ((places[link.x].y | places[link.y].y) & PLACE_SHARED);
-        }
+        bool told = link.x != NO_PLACE && is_told(places[link.x].y, places[link.y].y, colours[i], touches[i], listed);
         border_starts[i] = told ? 1 : 0;
     }
 }
@@ -104,7 +127,7 @@ __kernel void used_colours(USED_COLOURS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
     for (uint k = first; k < last; ++k) {
-        uint id = ids[k], used = 0;
+        uint id = row_ids[first_id + k], used = 0;
         for (uint i = starts[id]; i < starts[id + 1]; ++i)
             used |= bit_of(colours[i]);
         for (uint i = return_starts[id]; i < return_starts[id + 1]; ++i)

@@ -10,6 +10,7 @@ return {
       uint n_contacts
       const uint2 *places
       const uint *asleep  if SLEEP == 1
+      uint every
       uint *colours
       volatile uint *choices
       volatile uint *flags
@@ -30,6 +31,8 @@ return {
       uint n_contacts
       const uint2 *places
       const uint *colours
+      const uint *touches
+      uint listed
       uint *border_starts
     ]],
     list_border = [[
@@ -40,7 +43,8 @@ return {
       uint4 *border
     ]],
     used_colours = [[
-      const uint *ids
+      const uint *row_ids
+      uint first_id
       uint n_ids
       const uint *starts
       const uint *return_starts

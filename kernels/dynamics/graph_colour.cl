@@ -82,7 +82,7 @@ __kernel void graph_colour_key(GRAPH_COLOUR_KEY_ARGS)
     uint last = min(first + PER_ITEM, n_keys), n_here = N_AWAKE_CONTACTS;
     for (uint k = first; k < last; ++k) {
         uint i = k < n_here ? AWAKE_CONTACT_AT(k) : 0;
-        uint colour = k < n_here ? colours[i] : COLOUR_NONE;
+        uint colour = k < n_here ? min(colours[i], (uint)COLOUR_NONE) : COLOUR_NONE;
         list[k] = i;
         keys[k] = key_of(colour, touches[i]);
     }

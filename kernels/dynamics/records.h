@@ -122,6 +122,7 @@
 #define COLOUR_WAITS 32    // to be coloured
 #define COLOUR_NONE 33     // pushes nothing
 #define COLOURS 34
+#define COLOUR_LEFT 64u // a bit beside one: another domain solves it alone (closure.cl)
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
 // Words of a team (team.clh), those that all change in lines of a cache of their own.

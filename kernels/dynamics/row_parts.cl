@@ -5,7 +5,8 @@
 //   rows      [n][row_words]
 //   row_parts word at which the first part begins, and how many words are taken; the same of the second
 //   of_four   words that are taken of every four of a part
-//   ids       [n_ids] places, each once
+//   row_ids   places, each once: [n_ids] from first_id on
+//   ids       [n_ids] places that the rows had
 //   gathered  [n_ids][words of both parts]; or whole rows, for places that bodies get: of the places that they
 //             had, and 0 where NO_PLACE says that they are new
 static inline size_t place_of_word(uint id, uint row_words, uint4 parts, uint of_four, uint k)
@@ -21,7 +22,7 @@ __kernel void pack_rows(PACK_ROWS_ARGS)
     uint last = min(first + PER_ITEM, n_ids);
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < words; ++k)
-            gathered[(size_t)i * words + k] = rows[place_of_word(ids[i], row_words, parts, of_four, k)];
+            gathered[(size_t)i * words + k] = rows[place_of_word(row_ids[first_id + i], row_words, parts, of_four, k)];
 }
 
 __kernel void unpack_rows(UNPACK_ROWS_ARGS)
@@ -31,7 +32,7 @@ __kernel void unpack_rows(UNPACK_ROWS_ARGS)
     uint last = min(first + PER_ITEM, n_ids);
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < words; ++k)
-            rows[place_of_word(ids[i], row_words, parts, of_four, k)] = gathered[(size_t)i * words + k];
+            rows[place_of_word(row_ids[first_id + i], row_words, parts, of_four, k)] = gathered[(size_t)i * words + k];
 }
 
 __kernel void move_rows(MOVE_ROWS_ARGS)

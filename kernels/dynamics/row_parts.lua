@@ -13,7 +13,8 @@ return {
       uint row_words
       int4 row_parts
       uint of_four
-      const uint *ids
+      const uint *row_ids
+      uint first_id
       uint n_ids
       uint *gathered
     ]],
@@ -22,7 +23,8 @@ return {
       uint row_words
       int4 row_parts
       uint of_four
-      const uint *ids
+      const uint *row_ids
+      uint first_id
       uint n_ids
       const uint *gathered
     ]],

@@ -66,7 +66,7 @@ static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
     motion_rows rows;
     if (!m->kernels.contact_graph_walls || m->graph.n_contacts == 0)
         return true;
-    if (!motion_rows_of_contacts(m, LINKS, 2, &rows, err))
+    if (!motion_rows_of_words(m, LINKS, m->graph.n_contacts, 2, &rows, err))
         return false;
     for (uint32_t i = 0; i < m->graph.n_contacts; ++i) {
         uint32_t *link = motion_row(&rows, i);

@@ -67,9 +67,9 @@ static bool uncolour(duet_motion *m, const uint8_t *gained, duet_error *err)
     motion_rows links, colours;
     if (m->graph.n_contacts == 0 || !(m->effects & DUET_EFFECT_CONTACT_RESPONSE))
         return true;
-    if (!motion_rows_of_contacts(m, LINKS, 2, &links, err))
+    if (!motion_rows_of_words(m, LINKS, m->graph.n_contacts, 2, &links, err))
         return false;
-    if (!motion_rows_of_contacts(m, COLOUR_OF, 1, &colours, err)) {
+    if (!motion_rows_of_words(m, COLOUR_OF, m->graph.n_contacts, 1, &colours, err)) {
         motion_rows_drop(&links);
         return false;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bodies and contacts of a domain that its host looks at (domain_border.c, domain_near.c,
-// kernels/dynamics/border.cl).
+// kernels/dynamics/border.cl), and those that its device solves for ghosts (domain_closure.c).
 #ifndef RUNTIME_BORDER_H
 #define RUNTIME_BORDER_H
 
@@ -9,10 +9,11 @@
 typedef struct motion_border {
     // NULL until a domain asks
     kernel *mark_border, *choose_inner, *count_border, *list_border, *used_colours, *list_near,
-        *list_meeting, *make_far_boxes, *keep_contacts;
+        *list_meeting, *make_far_boxes, *keep_contacts, *begin_ghosts, *note_kept, *note_lacks,
+        *take_needed, *take_own, *end_contacts, *end_ghosts, *read_asked, *take_asked;
     uint32_t rounds; // of colouring, that a step is sent without a look at whether more would help
     // what a launch is told besides
-    cl_uint n_extents, near_capacity;
+    cl_uint n_extents, near_capacity, every, listed, n_border, closing_colour;
     cl_float far_time, far_margin;
 } motion_border;
 

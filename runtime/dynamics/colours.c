@@ -169,23 +169,23 @@ bool motion_make_colours(duet_motion *m, duet_error *err)
 // ---------------------------------------------------------------- stage by stage
 
 // Contacts that more than this domain's decide wait still, after any number of rounds.
-bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err)
+bool domain_colour_inner(duet_motion *m, uint32_t every, domain_contacts *told, duet_error *err)
 {
     const uint32_t rounds = m->border.rounds;
+    m->border.every = every;
     if (m->n == 0 || m->graph.n_contacts == 0)
-        return domain_list_border(m, told, err);
+        return domain_list_waiting(m, told, err);
     if (!domain_mark_border(m, err) || !run_rounds(m, m->border.choose_inner, 0, rounds, err) ||
-        !domain_list_border(m, told, err))
+        !domain_list_waiting(m, told, err))
         return false;
     const uint32_t needed = m->flags[FLAG_ROUNDS];
     m->border.rounds = needed < rounds ? needed + 1 : rounds + ROUNDS_MORE;
     return true;
 }
 
-bool domain_take_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
+bool domain_take_colours(duet_motion *m, duet_error *err)
 {
     if (m->n == 0 || m->graph.n_contacts == 0)
         return list_none(m);
-    return domain_write_colours(m, told, err) && reserve_lists(m, err) && sort_colours(m, err) &&
-           use_colours(m, err);
+    return reserve_lists(m, err) && sort_colours(m, err) && use_colours(m, err);
 }

@@ -33,9 +33,8 @@ static bool build(duet_motion *m, duet_error *err)
         {&b->choose_inner, true, "border", "choose_inner", motion_bindings},
         {&b->count_border, true, "border", "count_border", motion_bindings},
         {&b->list_border, true, "border", "list_border", motion_bindings},
-        {&b->used_colours, true, "border", "used_colours", motion_bindings},
     };
-    return b->used_colours || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
+    return b->list_border || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
 }
 
 bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err)
@@ -56,11 +55,13 @@ static bool clear_choices(duet_motion *m, duet_error *err)
 // ---------------------------------------------------------------- the list
 
 // Reads how many the list has, and the flags.
-static bool count_listed(duet_motion *m, cl_uint *n, duet_error *err)
+static bool count_listed(duet_motion *m, uint32_t listed, cl_uint *n, duet_error *err)
 {
     const uint32_t all = m->graph.n_contacts;
     buffer *starts = &m->buffers[BORDER_STARTS];
-    return motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
+    m->border.listed = listed;
+    return build(m, err) &&
+           motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
            motion_launch(m, stage, m->border.count_border, (uint64_t)all + 1, err) &&
            scan_run(&m->graph.scan, &m->times, stage, starts, starts, all + 1, err) &&
            motion_start_flags(m, err) &&
@@ -86,32 +87,55 @@ static void take(domain_contacts *c, const border_row *rows)
     }
 }
 
+// Lists so many contacts on the device.
+static bool list(duet_motion *m, uint32_t n, duet_error *err)
+{
+    return n == 0 || (motion_reserve(m, BORDER, n, sizeof(border_row), err) &&
+                      motion_launch(m, stage, m->border.list_border, m->graph.n_contacts, err));
+}
+
 static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
 {
     const size_t bytes = c->n * sizeof(border_row);
     border_row *rows = malloc(bytes + 1);
     if (!rows)
         error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
-    bool ok =
-        rows && reserve(c, err) &&
-        (c->n == 0 || (motion_reserve(m, BORDER, c->n, sizeof *rows, err) &&
-                       motion_launch(m, stage, m->border.list_border, m->graph.n_contacts, err) &&
-                       motion_fetch(m, stage, BORDER, 0, rows, bytes, err)));
+    bool ok = rows && reserve(c, err) && list(m, c->n, err) &&
+              (c->n == 0 || motion_fetch(m, stage, BORDER, 0, rows, bytes, err));
     if (ok)
         take(c, rows);
     free(rows);
     return ok;
 }
 
-bool domain_list_border(duet_motion *m, domain_contacts *c, duet_error *err)
+static bool list_for_host(duet_motion *m, uint32_t listed, domain_contacts *c, duet_error *err)
 {
     *c = (domain_contacts){0};
-    bool ok =
-        (m->n == 0 || m->graph.n_contacts == 0 || (build(m, err) && count_listed(m, &c->n, err))) &&
-        fetch(m, c, err);
+    bool ok = (m->n == 0 || m->graph.n_contacts == 0 || count_listed(m, listed, &c->n, err)) &&
+              fetch(m, c, err);
     if (!ok)
         domain_contacts_free(c);
     return ok;
+}
+
+bool domain_list_waiting(duet_motion *m, domain_contacts *c, duet_error *err)
+{
+    return list_for_host(m, LISTED_WAITING, c, err);
+}
+
+bool domain_list_shared(duet_motion *m, domain_contacts *c, duet_error *err)
+{
+    return list_for_host(m, LISTED_SHARED, c, err);
+}
+
+bool domain_list_sent(duet_motion *m, domain_contacts *c, duet_error *err)
+{
+    return list_for_host(m, LISTED_SENT, c, err);
+}
+
+bool domain_list_ghosts(duet_motion *m, uint32_t *n, duet_error *err)
+{
+    return count_listed(m, LISTED_GHOSTS, n, err) && list(m, *n, err);
 }
 
 // ---------------------------------------------------------------- colours
@@ -121,22 +145,6 @@ bool domain_mark_border(duet_motion *m, duet_error *err)
     return m->n == 0 || m->graph.n_contacts == 0 ||
            (build(m, err) && clear_choices(m, err) &&
             motion_launch(m, stage, m->border.mark_border, m->graph.n_contacts, err));
-}
-
-// Bodies whose rows were not made since they came have none.
-bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
-                      duet_error *err)
-{
-    const size_t bytes = n * sizeof *places;
-    memset(used, 0, bytes);
-    if (n == 0 || m->graph.n_contacts == 0 || !product_is_right(&m->products, PRODUCT_ROWS))
-        return true;
-    m->reading.n_ids = n;
-    return build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *places, err) &&
-           motion_reserve(m, GATHERED, n, sizeof *used, err) &&
-           timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, places, bytes, err) &&
-           motion_launch(m, stage, m->border.used_colours, n, err) &&
-           motion_fetch(m, stage, GATHERED, 0, used, bytes, err);
 }
 
 // ---------------------------------------------------------------- contacts that stay

@@ -77,8 +77,27 @@ bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *part
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                         const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 
+// Places whose rows are moved. If a list of the device has them (SENT_IDS, RECEIVED_IDS), they lie
+// there from `first` on; READ_IDS: none has.
+typedef struct domain_ids {
+    const uint32_t *places;
+    uint32_t n;
+    motion_buffer listed;
+    uint32_t first;
+} domain_ids;
+
+// Writes places into a list of the device, from `at` on, behind those that stay.
+bool domain_list_ids(duet_motion *m, motion_buffer list, uint32_t at, const uint32_t *places,
+                     uint32_t n, duet_error *err);
+
+// The same for listed places; GHOSTS have GHOST_WORDS a row.
+bool domain_pack_listed(duet_motion *m, motion_buffer which, const row_parts *parts,
+                        const domain_ids *ids, void *packed, duet_error *err);
+bool domain_unpack_listed(duet_motion *m, motion_buffer which, const row_parts *parts,
+                          const domain_ids *ids, void *packed, duet_error *err);
+
 // Waits until the device has read what rows were written from: before, places and packed are to
-// stay as they are.
+// stay as they are. A read that was waited for since has waited for that, too.
 bool domain_await_rows(duet_motion *m, duet_error *err);
 
 // With events: sends for what touches, of contacts that a motion was given, as domain_finalize does
@@ -191,19 +210,59 @@ bool domain_list_meeting(duet_motion *m, const float *extents, uint32_t n, domai
                          uint32_t *n_list, duet_error *err);
 
 // Colours contacts that begin to push, but for those which more than this domain's contacts decide.
-// Tells of these, of what is solved in order, and of all that have a shared end: rows, links and
-// colours, which the caller frees.
-bool domain_colour_inner(duet_motion *m, domain_contacts *told, duet_error *err);
-bool domain_mark_border(duet_motion *m, duet_error *err);                        // of it
-bool domain_list_border(duet_motion *m, domain_contacts *told, duet_error *err); // likewise
+// Tells of these, and of what is solved in order: rows, links and colours, which the caller frees.
+// Contacts of ghosts alone push only if ghosts come less often than after each colour.
+bool domain_colour_inner(duet_motion *m, uint32_t every, domain_contacts *told, duet_error *err);
+bool domain_mark_border(duet_motion *m, duet_error *err);                         // of it
+bool domain_list_waiting(duet_motion *m, domain_contacts *told, duet_error *err); // likewise
 
-// Reads the colours that contacts of n places have, a bit for each.
+// Likewise tells of all contacts with points that have a shared end, or whose first end that moves
+// is a shared own body.
+bool domain_list_shared(duet_motion *m, domain_contacts *shared, duet_error *err);
+bool domain_list_sent(duet_motion *m, domain_contacts *sent, duet_error *err);
+
+// Adds contacts, by places, to those of the last step.
+bool domain_add_contacts(duet_motion *m, const domain_contacts *c, duet_error *err);
+
+// Reads the colours that contacts of places have, a bit for each.
 bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
                       duet_error *err);
+bool domain_pack_used(duet_motion *m, const domain_ids *ids, uint32_t *used, duet_error *err);
 
-// Takes the colours of those that it told of; then contacts by colour, and constraints from them.
-bool domain_take_colours(duet_motion *m, const domain_contacts *told, duet_error *err);
-bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err); // of it
+// Takes the colours of those that it told of.
+bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err);
+
+// Memory for what is known of ghosts; until bodies are replaced.
+bool domain_reserve_ghosts(duet_motion *m, duet_error *err);
+
+// Finds which contacts of ghosts are solved here, if ghosts come after so many colours at the
+// latest: each ghost's GHOSTS, of which colours at home are there. Others are left: their colours
+// have COLOUR_LEFT from then on.
+bool domain_close(duet_motion *m, uint32_t every, duet_error *err);
+bool domain_list_ghosts(duet_motion *m, uint32_t *n, duet_error *err); // of it: on the device
+
+// A contact that a domain asks another for: the ghost's place, or that of the body there, and the
+// colour.
+typedef struct asked_contact {
+    uint32_t place, colour;
+} asked_contact;
+
+// Bytes of a contact that is asked for; reads n of them, [n][bytes]; and takes those that came.
+size_t domain_asked_bytes(const duet_motion *m);
+bool domain_read_asked(duet_motion *m, const asked_contact *asked, uint32_t n, void *rows,
+                       duet_error *err);
+bool domain_take_asked(duet_motion *m, const asked_contact *asked, uint32_t n, const void *rows,
+                       duet_error *err);
+
+// How many contacts are solved here that others own, and how many came that were others than those
+// that were thought to push: then what is solved is to be found again.
+typedef struct domain_closed {
+    uint32_t n_foreign, n_mistaken;
+} domain_closed;
+bool domain_count_closed(duet_motion *m, domain_closed *found, duet_error *err);
+
+// Lists contacts by colour, and makes constraints from them.
+bool domain_take_colours(duet_motion *m, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
 // A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Parts of some rows by body or by contact, for who sends them: copied where they lie if the device
 // works on host memory. Else the device brings them together, so that no others travel.
+#include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_rows.h"
 
@@ -13,8 +14,7 @@ typedef struct some_rows {
     motion_buffer which;
     uint32_t words;
     row_parts parts;
-    const uint32_t *places;
-    uint32_t n;
+    domain_ids ids;
 } some_rows;
 
 static size_t packed_bytes(const some_rows *s)
@@ -26,9 +26,10 @@ static size_t packed_bytes(const some_rows *s)
 
 static bool open_rows(duet_motion *m, const some_rows *s, motion_rows *rows, duet_error *err)
 {
+    const uint32_t n = s->which == GHOSTS ? m->n : m->graph.n_contacts;
     return motion_words(m, s->which) > 0
                ? motion_rows_open(m, s->which, 0, m->n, rows, err)
-               : motion_rows_of_contacts(m, s->which, s->words, rows, err);
+               : motion_rows_of_words(m, s->which, n, s->words, rows, err);
 }
 
 static uint32_t taken_of_four(const row_parts *parts)
@@ -61,8 +62,9 @@ static bool copy_in_place(duet_motion *m, const some_rows *s, char *packed, bool
     motion_rows rows;
     if (!open_rows(m, s, &rows, err))
         return false;
-    for (uint32_t i = 0; i < s->n; ++i)
-        copy_row(motion_row(&rows, s->places[i]), packed + i * packed_bytes(s), &s->parts, unpacks);
+    for (uint32_t i = 0; i < s->ids.n; ++i)
+        copy_row(motion_row(&rows, s->ids.places[i]), packed + i * packed_bytes(s), &s->parts,
+                 unpacks);
     return motion_rows_close(m, &rows, err);
 }
 
@@ -80,17 +82,29 @@ static bool build(duet_motion *m, duet_error *err)
            motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
 }
 
+// Places that no list has told of are sent with their rows.
+static bool send_ids(duet_motion *m, const domain_ids *ids, duet_error *err)
+{
+    const size_t bytes = ids->n * sizeof *ids->places;
+    motion_reading *r = &m->reading;
+    bool ok =
+        ids->listed != READ_IDS ||
+        (motion_reserve(m, READ_IDS, ids->n, sizeof *ids->places, err) &&
+         timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, ids->places, bytes, err));
+    r->row_ids = m->buffers[ids->listed];
+    r->first_id = ids->first;
+    r->n_ids = ids->n;
+    return ok;
+}
+
 static bool prepare(duet_motion *m, const some_rows *s, duet_error *err)
 {
     motion_reading *r = &m->reading;
     const row_parts *p = &s->parts;
-    const size_t bytes = s->n * sizeof *s->places;
-    bool ok = build(m, err) && motion_reserve(m, READ_IDS, s->n, sizeof *s->places, err) &&
-              motion_reserve(m, GATHERED, s->n, packed_bytes(s), err) &&
-              timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, s->places, bytes, err);
+    bool ok = build(m, err) && motion_reserve(m, GATHERED, s->ids.n, packed_bytes(s), err) &&
+              send_ids(m, &s->ids, err);
     r->rows = m->buffers[s->which];
     r->row_words = s->words;
-    r->n_ids = s->n;
     r->of_four = taken_of_four(p);
     r->row_parts =
         (cl_int4){{(cl_int)p->at[0], (cl_int)p->words[0], (cl_int)p->at[1], (cl_int)p->words[1]}};
@@ -101,9 +115,9 @@ static bool pack(duet_motion *m, const some_rows *s, void *packed, duet_error *e
 {
     if (m->buffers[s->which].host)
         return copy_in_place(m, s, packed, false, err);
-    return s->n == 0 ||
-           (prepare(m, s, err) && motion_launch(m, stage, m->reading.pack_rows, s->n, err) &&
-            motion_fetch(m, stage, GATHERED, 0, packed, s->n * packed_bytes(s), err));
+    return s->ids.n == 0 ||
+           (prepare(m, s, err) && motion_launch(m, stage, m->reading.pack_rows, s->ids.n, err) &&
+            motion_fetch(m, stage, GATHERED, 0, packed, s->ids.n * packed_bytes(s), err));
 }
 
 // Does not wait, though packed and places are the caller's (domain_await_rows).
@@ -111,10 +125,10 @@ static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error 
 {
     if (m->buffers[s->which].host)
         return copy_in_place(m, s, packed, true, err);
-    return s->n == 0 || (prepare(m, s, err) &&
-                         timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
-                                           s->n * packed_bytes(s), err) &&
-                         motion_launch(m, stage, m->reading.unpack_rows, s->n, err));
+    return s->ids.n == 0 || (prepare(m, s, err) &&
+                             timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
+                                               s->ids.n * packed_bytes(s), err) &&
+                             motion_launch(m, stage, m->reading.unpack_rows, s->ids.n, err));
 }
 
 // Rows of the host's memory are written in place.
@@ -151,16 +165,70 @@ bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, con
     return ok;
 }
 
+static some_rows rows_of(const duet_motion *m, motion_buffer which, const row_parts *parts,
+                         const domain_ids *ids)
+{
+    return (some_rows){which, which == GHOSTS ? GHOST_WORDS : motion_words(m, which), *parts, *ids};
+}
+
+bool domain_pack_listed(duet_motion *m, motion_buffer which, const row_parts *parts,
+                        const domain_ids *ids, void *packed, duet_error *err)
+{
+    const some_rows rows = rows_of(m, which, parts, ids);
+    return pack(m, &rows, packed, err);
+}
+
+bool domain_unpack_listed(duet_motion *m, motion_buffer which, const row_parts *parts,
+                          const domain_ids *ids, void *packed, duet_error *err)
+{
+    const some_rows rows = rows_of(m, which, parts, ids);
+    return unpack(m, &rows, packed, err);
+}
+
 bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                       const uint32_t *places, uint32_t n, void *packed, duet_error *err)
 {
-    return pack(m, &(some_rows){which, motion_words(m, which), *parts, places, n}, packed, err);
+    return domain_pack_listed(m, which, parts, &(domain_ids){places, n, READ_IDS, 0}, packed, err);
 }
 
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                         const uint32_t *places, uint32_t n, void *packed, duet_error *err)
 {
-    return unpack(m, &(some_rows){which, motion_words(m, which), *parts, places, n}, packed, err);
+    return domain_unpack_listed(m, which, parts, &(domain_ids){places, n, READ_IDS, 0}, packed,
+                                err);
+}
+
+bool domain_list_ids(duet_motion *m, motion_buffer which, uint32_t at, const uint32_t *places,
+                     uint32_t n, duet_error *err)
+{
+    return motion_extend(m, which, at * sizeof *places, (at + n) * sizeof *places, err) &&
+           timeline_write_at(&m->times, stage, &m->buffers[which], at * sizeof *places, places,
+                             n * sizeof *places, err);
+}
+
+static bool build_used(duet_motion *m, duet_error *err)
+{
+    const kernel_request list[] = {
+        {&m->border.used_colours, true, "border", "used_colours", motion_bindings},
+    };
+    return m->border.used_colours || motion_build_kernels(m, list, 1, false, err);
+}
+
+bool domain_pack_used(duet_motion *m, const domain_ids *ids, uint32_t *used, duet_error *err)
+{
+    const size_t bytes = ids->n * sizeof *used;
+    memset(used, 0, bytes);
+    if (ids->n == 0 || m->graph.n_contacts == 0 || !product_is_right(&m->products, PRODUCT_ROWS))
+        return true;
+    return build_used(m, err) && motion_reserve(m, GATHERED, ids->n, sizeof *used, err) &&
+           send_ids(m, ids, err) && motion_launch(m, stage, m->border.used_colours, ids->n, err) &&
+           motion_fetch(m, stage, GATHERED, 0, used, bytes, err);
+}
+
+bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
+                      duet_error *err)
+{
+    return domain_pack_used(m, &(domain_ids){places, n, READ_IDS, 0}, used, err);
 }
 
 // ---------------------------------------------------------------- contacts
@@ -171,9 +239,10 @@ static bool move_contacts(duet_motion *m, const domain_contacts *c, move_some *m
                           duet_error *err)
 {
     const uint32_t record = m->layout.record;
-    const some_rows touches = {TOUCHES, 1, {.words = {1}}, c->rows, c->n},
-                    colours = {COLOUR_OF, 1, {.words = {1}}, c->rows, c->n},
-                    records = {CONTACTS, record, {.words = {record}}, c->rows, c->n};
+    const domain_ids ids = {c->rows, c->n, READ_IDS, 0};
+    const some_rows touches = {TOUCHES, 1, {.words = {1}}, ids},
+                    colours = {COLOUR_OF, 1, {.words = {1}}, ids},
+                    records = {CONTACTS, record, {.words = {record}}, ids};
     return move(m, &touches, c->touches, err) && move(m, &colours, c->colours, err) &&
            move(m, &records, c->records, err);
 }
@@ -190,6 +259,6 @@ bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err
 
 bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
 {
-    const some_rows colours = {COLOUR_OF, 1, {.words = {1}}, told->rows, told->n};
+    const some_rows colours = {COLOUR_OF, 1, {.words = {1}}, {told->rows, told->n, READ_IDS, 0}};
     return unpack(m, &colours, told->colours, err) && domain_await_rows(m, err);
 }

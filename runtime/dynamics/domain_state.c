@@ -183,9 +183,12 @@ void domain_drop_contacts(duet_motion *m)
 static bool part(duet_motion *m, duet_error *err)
 {
     static const cl_uint2 none = {{NO_PLACE, NO_PLACE}};
-    return m->graph.n_contacts == 0 ||
-           (append(m, LINKS, m->graph.n_contacts++, &none, 1, sizeof none, err) &&
-            timeline_finish(&m->times, err));
+    static const cl_uint untouched = 0;
+    const uint32_t last = m->graph.n_contacts;
+    m->graph.n_contacts += last > 0;
+    return last == 0 || (append(m, LINKS, last, &none, 1, sizeof none, err) &&
+                         append(m, TOUCHES, last, &untouched, 1, sizeof untouched, err) &&
+                         timeline_finish(&m->times, err));
 }
 
 static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error *err)
@@ -201,6 +204,11 @@ static bool write_contacts(duet_motion *m, const domain_contacts *c, duet_error 
            (!responds(m) ||
             append(m, COLOUR_OF, first, c->colours, c->n, sizeof *c->colours, err)) &&
            append(m, CONTACTS, first, c->records, c->n, m->layout.record * sizeof(float), err);
+}
+
+bool domain_add_contacts(duet_motion *m, const domain_contacts *c, duet_error *err)
+{
+    return c->n == 0 || (write_contacts(m, c, err) && timeline_finish(&m->times, err));
 }
 
 // ---------------------------------------------------------------- bodies

@@ -15,7 +15,8 @@ typedef struct motion_reading {
     kernel *pack_rows, *unpack_rows, *move_rows; // likewise, a domain's (domain_rows.c)
     // other arguments of a launch
     buffer rows, last_rows; // a state's, by object
-    cl_uint row_words, n_ids;
+    buffer row_ids;         // a domain's lists of places, from first_id on
+    cl_uint row_words, n_ids, first_id;
     cl_int4 row_parts;
     cl_uint of_four;
 } motion_reading;

@@ -19,14 +19,14 @@ typedef struct motion_rows {
 } motion_rows;
 
 // Rows [first, last) of a buffer by object; those from the least of n places to the greatest; or
-// all of a buffer by contact, of so many words each. Afterwards they are closed, or dropped if
+// the n of another buffer, of so many words each. Afterwards they are closed, or dropped if
 // nothing was changed.
 bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
                       motion_rows *rows, duet_error *err);
 bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
                     motion_rows *rows, duet_error *err);
-bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words, motion_rows *rows,
-                             duet_error *err);
+bool motion_rows_of_words(duet_motion *m, motion_buffer which, uint32_t n, uint32_t words,
+                          motion_rows *rows, duet_error *err);
 bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err);
 void motion_rows_drop(motion_rows *rows);
 

@@ -204,11 +204,11 @@ bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places,
     return motion_rows_open(m, which, first, last, rows, err);
 }
 
-bool motion_rows_of_contacts(duet_motion *m, motion_buffer which, uint32_t words, motion_rows *rows,
-                             duet_error *err)
+bool motion_rows_of_words(duet_motion *m, motion_buffer which, uint32_t n, uint32_t words,
+                          motion_rows *rows, duet_error *err)
 {
     size_t row = words * sizeof(uint32_t);
-    *rows = (motion_rows){.of = &m->buffers[which], .row = row, .size = m->graph.n_contacts * row};
+    *rows = (motion_rows){.of = &m->buffers[which], .row = row, .size = n * row};
     return open_rows(m, rows, false, err);
 }
 

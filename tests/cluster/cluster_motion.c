@@ -3,7 +3,6 @@
 // groups: the state hash of one motion.
 //
 // Every rank runs this; a fact that does not hold on one ends the job with a line.
-#include "cluster/closure.h"
 #include "cluster/cluster.h"
 #include "cluster/colouring.h"
 #include "cluster/job.h"
@@ -734,6 +733,16 @@ static void homes_colour_together(uint64_t seed)
 
 // ---------------------------------------------------------------- closures
 
+static duet_cluster *two_domains_after_steps(const char *n, uint32_t colours, uint32_t steps)
+{
+    const moving_scene s = {"falling", {{"n", n}}, 1, 0, 0, 0};
+    duet_cluster *cluster = begin_on(ALONE, def_of(2, colours), &s);
+    duet_cluster_motion_result result;
+    for (uint32_t i = 0; i < steps; ++i)
+        must(duet_cluster_advance(cluster, &result, ERR));
+    return cluster;
+}
+
 enum { FIELD = 60, FIELD_CONTACTS = 150, SWEEPS = 3, WRONG = 0xBAD };
 
 // Contacts of bodies on a line, each of one with another near it; the first `n_own` are a domain's.
@@ -777,47 +786,82 @@ static void solve_colour(const field *f, const bool *solved, uint32_t colour, ui
             solve_contact(&impulses[i], &bodies[f->ends[i][0]], &bodies[f->ends[i][1]]);
 }
 
-static closure closure_of(const field *f, uint32_t every, ghost_colours *colours,
-                          border_contact *border)
+// What a device finds: its ghosts, and which contacts are solved.
+typedef struct found_closure {
+    ghost_colours ghosts[FIELD];
+    bool solved[FIELD_CONTACTS];
+} found_closure;
+
+static void write_words(duet_motion *m, motion_buffer which, const void *words, size_t bytes)
 {
-    closure c = {every, colours, FIELD - f->n_own, border, 0};
-    for (uint32_t i = f->n_own; i < FIELD; ++i)
-        colours[i - f->n_own] = (ghost_colours){.at_home = f->used[i]};
-    for (uint32_t i = 0; i < f->n; ++i) {
-        uint32_t a = f->ends[i][0], b = f->ends[i][1];
-        if (f->is_known[i] && b >= f->n_own)
-            border[c.n_contacts++] = (border_contact){
-                .ghosts = {a < f->n_own ? CLOSURE_NONE : a - f->n_own, b - f->n_own},
-                .colour = f->colours[i],
-                .row = i,
-                .is_solved = a < f->n_own};
+    must(motion_reserve(m, which, bytes, 1, ERR));
+    must(timeline_write_at(&m->times, "test", &m->buffers[which], 0, words, bytes, ERR));
+}
+
+// The motion has the field's bodies and the contacts that the domain knows, instead of its own.
+static void write_field(duet_motion *m, const field *f, uint32_t rows[FIELD_CONTACTS])
+{
+    domain_place *places = must(calloc(m->n + FIXED, sizeof *places));
+    cl_uint2 links[FIELD_CONTACTS];
+    cl_uint colours[FIELD_CONTACTS], at_home[FIELD][GHOST_WORDS] = {{0}};
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < f->n; ++i)
+        if (f->is_known[i]) {
+            rows[n] = i;
+            links[n] = (cl_uint2){{f->ends[i][0], f->ends[i][1]}};
+            colours[n++] = f->colours[i];
+        }
+    for (uint32_t i = 0; i < FIELD; ++i) {
+        places[i] = (domain_place){i, PLACE_MOVES | (i < f->n_own ? PLACE_OWN : 0)};
+        at_home[i][GHOST_AT_HOME] = f->used[i];
+    }
+    must(domain_mark_places(m, places, ERR));
+    must(domain_reserve_ghosts(m, ERR));
+    write_words(m, LINKS, links, n * sizeof *links);
+    write_words(m, COLOUR_OF, colours, n * sizeof *colours);
+    write_words(m, GHOSTS, at_home, sizeof at_home);
+    m->graph.n_contacts = n;
+    must(timeline_finish(&m->times, ERR));
+    free(places);
+}
+
+static found_closure closure_of(duet_motion *m, const field *f, uint32_t every)
+{
+    found_closure c = {0};
+    uint32_t rows[FIELD_CONTACTS];
+    cl_uint colours[FIELD_CONTACTS];
+    write_field(m, f, rows);
+    must(domain_close(m, every, ERR));
+    must(motion_fetch(m, "test", GHOSTS, 0, c.ghosts, sizeof c.ghosts, ERR));
+    must(
+        motion_fetch(m, "test", COLOUR_OF, 0, colours, m->graph.n_contacts * sizeof *colours, ERR));
+    for (uint32_t k = 0; k < m->graph.n_contacts; ++k) {
+        c.solved[rows[k]] = colours[k] == f->colours[rows[k]];
+        MUST(c.solved[rows[k]] || colours[k] == (COLOUR_LEFT | f->colours[rows[k]]),
+             "solved or left");
+        MUST(c.solved[rows[k]] || f->ends[rows[k]][0] >= f->n_own, "own ones are solved");
     }
     return c;
 }
 
 // Returns how often ghosts come. Ghosts that are wrong and do not come are wrong without bounds.
-static uint32_t must_sweep_alike(const field *f, const closure *c, rng *r)
+static uint32_t must_sweep_alike(const field *f, const found_closure *c, rng *r)
 {
     uint64_t at_home[FIELD], here[FIELD], impulses[FIELD_CONTACTS], own[FIELD_CONTACTS];
-    bool solved[FIELD_CONTACTS] = {false};
     uint32_t times = 0;
-    for (uint32_t i = 0; i < f->n; ++i) {
+    for (uint32_t i = 0; i < f->n; ++i)
         impulses[i] = own[i] = rng_next(r);
-        solved[i] = f->ends[i][1] < f->n_own;
-    }
-    for (uint64_t i = 0; i < c->n_contacts; ++i)
-        solved[c->contacts[i].row] = c->contacts[i].is_solved;
     for (uint32_t i = 0; i < FIELD; ++i) {
         at_home[i] = rng_next(r);
-        here[i] = i < f->n_own || c->ghosts[i - f->n_own].here != 0 ? at_home[i] : WRONG;
+        here[i] = i < f->n_own || c->ghosts[i].here != 0 ? at_home[i] : WRONG;
     }
     for (int sweep = 0; sweep < SWEEPS; ++sweep)
-        for (uint32_t colour = 0; colour <= CLOSURE_END; ++colour) {
+        for (uint32_t colour = 0; colour <= HALO_END; ++colour) {
             uint32_t came = 0;
             solve_colour(f, NULL, colour, impulses, at_home);
-            solve_colour(f, solved, colour, own, here);
+            solve_colour(f, c->solved, colour, own, here);
             for (uint32_t i = f->n_own; i < FIELD; ++i)
-                if (c->ghosts[i - f->n_own].comes >> colour & 1u) {
+                if (c->ghosts[i].comes >> colour & 1u) {
                     here[i] = at_home[i];
                     ++came;
                 }
@@ -825,9 +869,9 @@ static uint32_t must_sweep_alike(const field *f, const closure *c, rng *r)
         }
     MUST(memcmp(here, at_home, f->n_own * sizeof *here) == 0, "own bodies are right");
     for (uint32_t i = 0; i < f->n; ++i)
-        MUST(!solved[i] || own[i] == impulses[i], "contacts that are solved are right");
+        MUST(!c->solved[i] || own[i] == impulses[i], "contacts that are solved are right");
     for (uint32_t i = f->n_own; i < FIELD; ++i)
-        MUST(c->ghosts[i - f->n_own].here == 0 || here[i] == at_home[i],
+        MUST(c->ghosts[i].here == 0 || here[i] == at_home[i],
              "ghosts with contacts are right after a sweep");
     return times;
 }
@@ -835,21 +879,82 @@ static uint32_t must_sweep_alike(const field *f, const closure *c, rng *r)
 // Contacts that the domain does not know, of bodies anywhere, make ghosts come sooner.
 static void closures_leave_nothing_wrong(uint64_t seed)
 {
+    static const uint32_t after[] = {1, 2, 3, 5, 9};
     rng r = rng_seed(seed);
     uint32_t times[2] = {0};
-    for (int i = 0; i < 200; ++i) {
+    duet_cluster *cluster = two_domains_after_steps("200", 1, 1);
+    duet_motion *m = cluster->moving->domains[0].motion;
+    MUST(m->n > FIELD, "places for a field");
+    for (int i = 0; i < 40; ++i) {
         const field f = random_field(&r);
-        for (uint32_t every = 1; every <= 9; ++every) {
-            ghost_colours colours[FIELD];
-            border_contact border[FIELD_CONTACTS];
-            closure c = closure_of(&f, every, colours, border);
-            must(closure_find(&c, ERR));
+        for (size_t k = 0; k < sizeof after / sizeof *after; ++k) {
+            const found_closure c = closure_of(m, &f, after[k]);
             uint32_t n = must_sweep_alike(&f, &c, &r);
-            times[0] += every == 1 ? n : 0;
-            times[1] += every == 9 ? n : 0;
+            times[0] += after[k] == 1 ? n : 0;
+            times[1] += after[k] == 9 ? n : 0;
         }
     }
-    MUST(times[1] > 0 && 2 * times[1] < times[0], "ghosts come less often");
+    MUST(times[1] > 0 && 3 * times[1] < 2 * times[0], "ghosts come less often");
+    duet_cluster_destroy(cluster);
+}
+
+// ---------------------------------------------------------------- contacts that are asked for
+
+enum { ASKED_MOST = ASKED_RECORD + 512 };
+
+// A row of a coloured contact that follows another one of the same owner.
+static uint32_t second_coloured(duet_motion *m, cl_uint2 *links, cl_uint *colours)
+{
+    const uint32_t n = m->graph.n_contacts;
+    must(motion_fetch(m, "test", LINKS, 0, links, n * sizeof *links, ERR));
+    must(motion_fetch(m, "test", COLOUR_OF, 0, colours, n * sizeof *colours, ERR));
+    for (uint32_t i = 1; i < n; ++i)
+        if (links[i].s[0] == links[i - 1].s[0] && colours[i] < COLOUR_OVERFLOW)
+            return i;
+    MUST(false, "a body with two contacts");
+    return 0;
+}
+
+static cl_uint colour_at(duet_motion *m, uint32_t row)
+{
+    cl_uint colour = 0;
+    must(motion_fetch(m, "test", COLOUR_OF, row * sizeof colour, &colour, sizeof colour, ERR));
+    return colour;
+}
+
+static uint32_t mistaken_after(duet_motion *m, const asked_contact *asked, const cl_uint *row)
+{
+    domain_closed closed;
+    must(domain_take_asked(m, asked, 1, row, ERR));
+    must(domain_count_closed(m, &closed, ERR));
+    return closed.n_mistaken;
+}
+
+// A contact is found by an end and its colour. If another one comes instead, both are known again.
+static void asked_contacts_come_or_are_mistaken(void)
+{
+    duet_cluster *cluster = two_domains_after_steps("200", 31, 80);
+    const moving_domain *d = &cluster->moving->domains[0];
+    duet_motion *m = d->motion;
+    const size_t n = m->graph.n_contacts, bytes = domain_asked_bytes(m);
+    cl_uint2 *links = must(malloc(n * sizeof *links));
+    cl_uint *colours = must(malloc(n * sizeof *colours)), row[ASKED_MOST], again[ASKED_MOST];
+    const uint32_t i = second_coloured(m, links, colours);
+    const asked_contact asked = {links[i].s[0], colours[i]};
+    MUST(bytes <= sizeof row, "space for a record");
+    must(domain_read_asked(m, &asked, 1, row, ERR));
+    MUST(row[0] == d->places[links[i].s[0]].id && row[1] == d->places[links[i].s[1]].id, "its ids");
+    row[ASKED_RECORD + 1] += 77;
+    MUST(mistaken_after(m, &asked, row) == 0, "it is the one that was meant");
+    must(domain_read_asked(m, &asked, 1, again, ERR));
+    MUST(memcmp(row, again, bytes) == 0 && colour_at(m, i) == asked.colour, "it came");
+    row[1] = d->places[links[i - 1].s[1]].id;
+    MUST(mistaken_after(m, &asked, row) == 1, "another one came");
+    MUST(colour_at(m, i) == (COLOUR_LEFT | COLOUR_NONE), "of this nothing is known");
+    MUST(colour_at(m, i - 1) == (COLOUR_LEFT | asked.colour), "that has the colour at home");
+    free(links);
+    free(colours);
+    duet_cluster_destroy(cluster);
 }
 
 // ---------------------------------------------------------------- bounds
@@ -909,21 +1014,12 @@ static void vectors_leave_out_their_fourth(duet_motion *m)
         MUST(in_place[k] == all[at[k]] && packed[k] == all[at[k]], "three of every four");
 }
 
-static duet_cluster *two_domains_after_a_step(const char *n)
-{
-    const moving_scene s = {"falling", {{"n", n}}, 1, 0, 0, 0};
-    duet_cluster *cluster = begin_on(ALONE, def_of(2, 1), &s);
-    duet_cluster_motion_result result;
-    must(duet_cluster_advance(cluster, &result, ERR));
-    return cluster;
-}
-
 // Parts of rows by a device that does not work on the host's memory: as one that does has them.
 static void parts_of_rows_come_and_go(void)
 {
     static const uint32_t places[] = {17, 3, 20};
     enum { N = sizeof places / sizeof *places };
-    duet_cluster *cluster = two_domains_after_a_step("80");
+    duet_cluster *cluster = two_domains_after_steps("80", 1, 1);
     duet_motion *m = cluster->moving->domains[0].motion;
     const uint32_t words = motion_words(m, VELOCITIES);
     const row_parts whole = {.words = {words}}, ends = {{0, words - 1}, {2, 1}, 0};
@@ -972,7 +1068,7 @@ static bool do_meet(const float b[6], const float e[6])
 static void bodies_near_extents_are_listed(void)
 {
     static const float extents[][6] = {{-1, -1, -1, 6, 6, 6}, {0, 0, 0, 2, 2, 3}};
-    duet_cluster *cluster = two_domains_after_a_step("300");
+    duet_cluster *cluster = two_domains_after_steps("300", 1, 1);
     const moving_domain *d = &cluster->moving->domains[1];
     domain_near *near;
     uint32_t n, expected = 0;
@@ -1006,7 +1102,7 @@ static void rows_move_with_their_bodies(void)
 {
     enum { WORDS = 4, MOST = 300 };
     static const motion_buffer list[] = {VELOCITIES};
-    duet_cluster *cluster = two_domains_after_a_step("300");
+    duet_cluster *cluster = two_domains_after_steps("300", 1, 1);
     duet_motion *m = cluster->moving->domains[0].motion;
     const uint32_t n = m->n + FIXED;
     const row_parts whole = {.words = {WORDS}};
@@ -1142,7 +1238,7 @@ static uint64_t count_ghosts(const moving *m, const moving_domain *d, const uint
 static void an_exchange_reads_what_travels(void)
 {
     enum { N = 6000 };
-    duet_cluster *cluster = two_domains_after_a_step("6000");
+    duet_cluster *cluster = two_domains_after_steps("6000", 1, 1);
     moving *m = cluster->moving;
     uint32_t home[N], moved = 0;
     const moving_counts before = m->counts;
@@ -1222,6 +1318,7 @@ int main(int argc, char **argv)
         colours_follow_from_ids(seed);
         homes_colour_together(seed);
         closures_leave_nothing_wrong(seed);
+        asked_contacts_come_or_are_mistaken();
         times_tell_what_contacts_cost(seed);
         parts_of_rows_come_and_go();
         bodies_near_extents_are_listed();

@@ -69,10 +69,17 @@ if(CLUSTER)
   endif()
 else()
   foreach(name IN ITEMS pack_rows unpack_rows move_rows mark_border choose_inner count_border list_border used_colours
-      list_near list_meeting make_far_boxes keep_contacts)
+      list_near list_meeting make_far_boxes keep_contacts begin_ghosts note_kept note_lacks take_needed take_own
+      end_contacts end_ghosts read_asked take_asked)
     list(APPEND launched "kernel '${name}'")
   endforeach()
 endif()
+
+# Ghosts that come less often than after each colour, and contacts that are asked for, take more steps than a simulator
+# has time for; cluster_motion compares what these kernels find with sweeps.
+foreach(name IN ITEMS note_lacks take_needed read_asked take_asked)
+  list(APPEND launched "kernel '${name}'")
+endforeach()
 
 # Reads and contact queries, which no run of a scene makes.
 function(numbers_of device result)

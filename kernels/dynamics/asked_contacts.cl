@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// Contacts that a domain left to their homes, and needs again (closure.cl): it asks for each by a ghost and a colour
+// that it has at home.
+//
+//   read_asked  the contacts that others ask for
+//   take_asked  those that came
+//
+//   asked    [n_ids] place and colour
+//   gathered [n_ids] ids of owner and other, touches, and the record
+// The k-th contact of a body: those that it owns first.
+#define CONTACTS_OF(id) (starts[id + 1] - starts[id] + return_starts[id + 1] - return_starts[id])
+#define CONTACT_OF(id, k)                                              \
+    (k < starts[id + 1] - starts[id] ? starts[id] + k                  \
+                                     : returns[return_starts[id] + k - (starts[id + 1] - starts[id])])
+
+__kernel void read_asked(READ_ASKED_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
+    for (uint j = first; j < last; ++j) {
+        uint id = asked[j].x, row = NO_PLACE;
+        for (uint k = 0; k < CONTACTS_OF(id); ++k)
+            row = colours[CONTACT_OF(id, k)] == asked[j].y ? CONTACT_OF(id, k) : row;
+        __global uint *to = gathered + (size_t)j * (ASKED_RECORD + row_words);
+        to[0] = row == NO_PLACE ? NO_PLACE : places[links[row].x].x;
+        to[1] = row == NO_PLACE ? NO_PLACE : places[links[row].y].x;
+        to[2] = row == NO_PLACE ? 0 : touches[row];
+        for (uint k = 0; row != NO_PLACE && k < row_words; ++k)
+            to[ASKED_RECORD + k] = as_uint(contacts[(size_t)row * row_words + k]);
+    }
+}
+
+// What was taken for a contact that is another one is unknown from now on. One that is not solved here is left at home in
+// this step.
+__kernel void take_asked(TAKE_ASKED_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
+    for (uint j = first; j < last; ++j) {
+        uint id = asked[j].x, row = NO_PLACE;
+        __global const uint *from = gathered + (size_t)j * (ASKED_RECORD + row_words);
+        for (uint k = 0; k < CONTACTS_OF(id); ++k) {
+            uint i = CONTACT_OF(id, k);
+            if (places[links[i].x].x == from[0] && places[links[i].y].x == from[1]) {
+                row = i;
+            } else if (colours[i] == asked[j].y) {
+                colours[i] = COLOUR_LEFT | COLOUR_NONE;
+                atomic_inc(closing + CLOSING_MISTAKEN);
+            }
+        }
+        if (row == NO_PLACE)
+            continue;
+        touches[row] = from[2];
+        for (uint k = 0; k < row_words; ++k)
+            contacts[(size_t)row * row_words + k] = as_float(from[ASKED_RECORD + k]);
+        if (colours[row] != asked[j].y)
+            colours[row] = COLOUR_LEFT | asked[j].y;
+    }
+}
