@@ -8,6 +8,11 @@ local engines = {}
 local function row(...) return ("%.9g "):rep(select("#", ...)):format(...) .. "\n" end
 local none = { 0, 0, 0 }
 
+-- A body's centre, half extents, rotation, velocity and angular velocity.
+local function parts_of(b)
+  return b.centre, b.half_extents, b.rotation or { 0, 0, 0, 1 }, b.velocity or none, b.angular_velocity or none
+end
+
 -- `def` holds dt, substeps, gravity, friction; and restitution, sleep, continuous, settled, churn, and lower and
 -- upper if there are walls.
 function engines.write(path, bodies, def)
@@ -17,8 +22,7 @@ function engines.write(path, bodies, def)
     def.friction, def.restitution or 0, def.sleep and 1 or 0, def.lower and 1 or 0, def.continuous and 1 or 0,
     def.settled or 0, def.churn or 0), row(lower[1], lower[2], lower[3], upper[1], upper[2], upper[3]))
   for _, b in ipairs(bodies) do
-    local c, h, q, v, w = b.centre, b.half_extents, b.rotation or { 0, 0, 0, 1 }, b.velocity or none,
-      b.angular_velocity or none
+    local c, h, q, v, w = parts_of(b)
     file:write(row(c[1], c[2], c[3], h[1], h[2], h[3], q[1], q[2], q[3], q[4], b.radius or 0, b.mass,
       v[1], v[2], v[3], w[1], w[2], w[3]))
   end
@@ -30,8 +34,7 @@ function engines.scene(bodies, def)
   local path = os.tmpname() .. ".lua"
   local file = assert(io.open(path, "w"))
   for _, b in ipairs(bodies) do
-    local c, h, q, v, w = b.centre, b.half_extents, b.rotation or { 0, 0, 0, 1 }, b.velocity or none,
-      b.angular_velocity or none
+    local c, h, q, v, w = parts_of(b)
     file:write(("add { centre = { %.17g, %.17g, %.17g }, half_extents = { %.17g, %.17g, %.17g }, "
       .. "rotation = { %.17g, %.17g, %.17g, %.17g }, %smass = %.17g, friction = %.17g, "
       .. "restitution = %.17g, velocity = { %.17g, %.17g, %.17g }, angular_velocity = { %.17g, %.17g, %.17g } }\n")
@@ -51,15 +54,20 @@ function engines.scene(bodies, def)
   return scene
 end
 
--- The engines that were built: those whose program is in `dir`.
-function engines.built(dir)
+-- Whether the engine is the one that is asked for, or all are.
+local function is_asked(name, only) return only == "all" or only == name end
+
+-- Returns a list of what runs the engines that are asked for: Duet's, and others' made by `make_other` of the
+-- path of a program, for those that were built, in `dir`.
+function engines.list(dir, only, duets, make_other)
   local found = {}
+  if is_asked("duet", only) then found[1] = duets end
   for _, name in ipairs { "box3d", "jolt", "bullet" } do
     local path = ("%s/pile_%s"):format(dir, name)
-    local file = io.open(path)
+    local file = is_asked(name, only) and io.open(path)
     if file then
       file:close()
-      found[#found + 1] = path
+      found[#found + 1] = make_other(path)
     end
   end
   return found

@@ -37,7 +37,7 @@ typedef struct pile {
     double seconds, wall_seconds;
 } pile;
 
-// What an engine does: `step` makes a step, `read` puts where the bodies are into p->bodies,
+// An engine's calls: `step` makes a step, `read` puts where the bodies are into p->bodies,
 // `renew` removes a body and puts p->given[i] in its place.
 typedef struct pile_engine {
     void (*step)(void *world, const pile *p);

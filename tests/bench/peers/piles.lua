@@ -74,12 +74,8 @@ do -- kernels are built before the clock runs
   local motion <close> = assert(device:motion(scene, { dt = dt, substeps = substeps }))
   assert(motion:advance())
 end
-local runs = (only == "all" or only == "duet") and { { name = "Duet " .. duet.version, run = run_duet } } or {}
-for _, program in ipairs(engines.built(dir)) do
-  if only == "all" or program:match "[^_]*$" == only then
-    runs[#runs + 1] = { run = function() return run_other(program) end }
-  end
-end
+local runs = engines.list(dir, only, { name = "Duet " .. duet.version, run = run_duet },
+  function(program) return { run = function() return run_other(program) end } end)
 for _ = 1, rounds do
   for _, engine in ipairs(runs) do
     local ms, awake, poses, name = engine.run()

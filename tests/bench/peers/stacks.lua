@@ -156,12 +156,9 @@ local function tripped(def, frames)
   return ("keeps %.3f, hops %.1f mm"):format(last / def.seam, height * 1e3)
 end
 
-local runs = (only == "all" or only == "duet") and { run_duet } or {}
-for _, program in ipairs(engines.built(dir)) do
-  if only == "all" or program:match "[^_]*$" == only then
-    runs[#runs + 1] = function(def) return engines.run(program, pile, #def.bodies, def.steps, every) end
-  end
-end
+local runs = engines.list(dir, only, run_duet, function(program)
+  return function(def) return engines.run(program, pile, #def.bodies, def.steps, every) end
+end)
 for _, def in ipairs(scenes) do
   print(def.name)
   def.steps = math.ceil(def.seconds / dt / every) * every

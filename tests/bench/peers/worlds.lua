@@ -6,7 +6,7 @@
 -- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built are left out.
 -- SCALE below 1 makes fewer bodies. ENGINE is duet, box3d, jolt or bullet, and all by default; no scene of
 -- another engine takes more than SECONDS. Prints for each scene and engine ms of processor time and of the clock
--- a step, and what the scene is there for. Where bodies sleep, the first 60 steps do not count. The others use
+-- a step, and what the scene is there for. If bodies sleep, the first 60 steps do not count. The others use
 -- one thread. Duet's commands before a step count by their processor time. All have the same substeps.
 local duet = require "duet"
 
@@ -116,7 +116,7 @@ local function farthest(bodies, frame)
   return most
 end
 
--- What each scene shows, of its bodies and its frames.
+-- Functions that say what a scene shows, by its bodies and its frames.
 local function tell_awake(_, _, awake) return ("%d awake"):format(awake) end
 
 local function tell_place(def, frames, awake)
@@ -222,14 +222,11 @@ local function run_duet(def)
   return "Duet " .. duet.version, spent * 1e3 / counted, passed * 1e3 / counted, awake_in(def, frame), { frame }
 end
 
+local runs = engines.list(dir, only, run_duet, function(program)
+  return function(def) return engines.run(program, pile, #def.bodies, def.steps, def.steps, limit) end
+end)
+
 local function run_all(def)
-  local runs = {}
-  if only == "all" or only == "duet" then runs[1] = run_duet end
-  for _, program in ipairs(engines.built(dir)) do
-    if only == "all" or program:match "[^_]*$" == only then
-      runs[#runs + 1] = function() return engines.run(program, pile, #def.bodies, def.steps, def.steps, limit) end
-    end
-  end
   for _, run in ipairs(runs) do
     local name, ms, wall, awake, frames = run(def)
     if name then
@@ -243,8 +240,8 @@ for _, def in ipairs(scenes) do
   def.gravity, def.friction = def.gravity or gravity, def.friction or 0.5
   local begun = {}
   for i, b in ipairs(def.bodies) do
-    local v, w, q = b.velocity or { 0, 0, 0 }, b.angular_velocity or { 0, 0, 0 }, { 0, 0, 0, 1 }
-    begun[i] = { 0, 0, 0, 0, 0, 0, q[1], q[2], q[3], q[4], v[1], v[2], v[3], w[1], w[2], w[3] }
+    local v, w = b.velocity or { 0, 0, 0 }, b.angular_velocity or { 0, 0, 0 }
+    begun[i] = { 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, v[1], v[2], v[3], w[1], w[2], w[3] }
   end
   def.energy = energy(def.bodies, begun)
   engines.write(pile, def.bodies, def)
