@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a rank does by itself: levels of sizes, domains, the objects in them, and loops.
+// A rank by itself: levels of sizes, domains, the objects in them, and loops.
 #include "cluster/cluster.h"
 #include "cluster/crowd.h"
 

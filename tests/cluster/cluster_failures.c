@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What fails on one rank fails on all of them, in one line; and what is refused.
+// Failures of one rank, which are those of all of them, in one line; and what is refused.
 #include "cluster/cluster.h"
 #include "cluster/crowd.h"
 

@@ -642,7 +642,7 @@ static void colours_follow_from_ids(uint64_t seed)
 
 enum { HOMES = 4 };
 
-// What a home knows: the contacts of its own bodies, and those of the bodies that these touch.
+// The contacts that a home knows: those of its own bodies, and of the bodies that these touch.
 typedef struct home_contacts {
     waiting_contact contacts[5 * MOST_CONTACTS];
     uint64_t n, n_left;
@@ -786,7 +786,7 @@ static void solve_colour(const field *f, const bool *solved, uint32_t colour, ui
             solve_contact(&impulses[i], &bodies[f->ends[i][0]], &bodies[f->ends[i][1]]);
 }
 
-// What a device finds: its ghosts, and which contacts are solved.
+// A device's answer: its ghosts, and which contacts are solved.
 typedef struct found_closure {
     ghost_colours ghosts[FIELD];
     bool solved[FIELD_CONTACTS];
