@@ -211,19 +211,14 @@ static double expect_alone(const search *h, int device)
     return least;
 }
 
-static bool is_shared(uint32_t share)
-{
-    return share > 0 && share < SEARCH_ONE;
-}
-
 // If one device does it all, the share and the other device's kernels are those of the best plan
 // that shares: the verdict tells what that gains or loses.
 static void add_shared(const search *h, duet_plan *best)
 {
     duet_plan shared;
-    for (uint32_t i = 0; i < h->n && !is_shared(best->share); ++i) {
+    for (uint32_t i = 0; i < h->n && !search_is_shared(best->share); ++i) {
         const search_sample *at = &h->samples[i];
-        if (at->failed || !is_shared(at->share) || !joint_space_plan(h->space, at, &shared))
+        if (at->failed || !search_is_shared(at->share) || !joint_space_plan(h->space, at, &shared))
             continue;
         int idle = best->share == 0 ? 0 : 1;
         plan_set_variant(best, idle, plan_variant(&shared, idle));

@@ -12,7 +12,7 @@ static const double WORTH_ALONE = 1.3; // A alone is learned if it may take so m
 
 bool plan_is_shared(const listed_plan *plan)
 {
-    return plan->share > 0 && plan->share < SEARCH_ONE;
+    return search_is_shared(plan->share);
 }
 
 bool plan_is_same(const listed_plan *a, const listed_plan *b)

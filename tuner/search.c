@@ -8,6 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+bool search_is_shared(uint32_t share)
+{
+    return share > 0 && share < SEARCH_ONE;
+}
+
 search_options search_default_options(void)
 {
     return (search_options){.quantum = 8, .points = 32, .rounds = 3, .probe_cost = 3.0};
@@ -70,7 +75,7 @@ const search_sample *search_find(const search *s, const search_sample *plan)
 uint32_t search_first_share(const search *s)
 {
     uint32_t start = s->options.start;
-    return start > 0 && start < SEARCH_ONE ? start : SEARCH_ONE / 16;
+    return search_is_shared(start) ? start : SEARCH_ONE / 16;
 }
 
 uint32_t search_fastest(const search *s)

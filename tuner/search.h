@@ -46,6 +46,8 @@ typedef struct search_options {
 
 search_options search_default_options(void);
 
+bool search_is_shared(uint32_t share); // both devices have a part
+
 typedef struct search {
     const struct strategy *strategy;
     search_options options;

@@ -39,7 +39,7 @@ static uint32_t enter_rivals(const tuning *t, field *f)
         field_enter(f, tuning_plan(t, DUET_SHARE_ONE, DUET_MODE_OWN));
     uint32_t n_alone = f->n;
     for (uint32_t i = 0; i < t->n_founds; ++i) {
-        if (founds[i].usable && founds[i].share > 0 && founds[i].share < DUET_SHARE_ONE)
+        if (founds[i].usable && search_is_shared(founds[i].share))
             field_enter(f, tuning_plan(t, founds[i].share, founds[i].mode));
     }
     return n_alone;
@@ -73,8 +73,7 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
     double quanta = floor(fair * DUET_SHARE_ONE / t->problem->least_share + 0.5);
     *even = *plan;
     even->share = (uint32_t)quanta * t->problem->least_share;
-    return fmax(ns[0], ns[1]) > UNEVEN * fair * a && even->share > 0 &&
-           even->share < DUET_SHARE_ONE;
+    return fmax(ns[0], ns[1]) > UNEVEN * fair * a && search_is_shared(even->share);
 }
 
 // Whether most trials of a plan had launches that waited for a core and count all the same: the
