@@ -187,7 +187,7 @@ static row_parts whole_row(const moving *m, motion_buffer which)
     return (row_parts){.words = {motion_words(m->domains[0].motion, which)}};
 }
 
-// What an exchange moves.
+// Rows that an exchange moves.
 typedef struct rows_moved {
     motion_buffer which;
     row_parts parts;

@@ -93,7 +93,7 @@ static void free_replacement(replacement *r)
     domain_contacts_free(&r->contacts);
 }
 
-// Those that stay and those that came, by their ids.
+// Merges those that stay and those that came, by their ids.
 static void merge(const moving *m, const moving_domain *d, domain_bodies *b)
 {
     uint32_t at = 0, came = 0;
@@ -244,7 +244,7 @@ static void keep_contacts(const moving *m, const moving_domain *d, duet_error *o
     free(moved);
 }
 
-// What is known of places stays until contacts are kept.
+// Places stay as they were until contacts are kept.
 static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own)
 {
     const domain_bodies *b = &r->bodies;

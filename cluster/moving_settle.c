@@ -11,7 +11,7 @@
 // searched more often than bodies are exchanged.
 enum { STEPS_WITHIN = 8 };
 
-// What is read of bodies, and a row for one of them.
+// States and far boxes of bodies, and a row for one of them.
 typedef struct reading {
     char *states;
     float *far_boxes;

@@ -103,7 +103,7 @@ static void add_contact(const moving *m, const moving_domain *d, const moving_co
     memcpy((char *)to->records + to->n++ * record, c + 1, record);
 }
 
-// Those of one sender ascend.
+// Contacts of one sender ascend.
 static void add_shared(const moving *m, moving_domain *d, duet_error *own)
 {
     domain_contacts all = {.n = (uint32_t)d->shared.n};
