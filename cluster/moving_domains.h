@@ -69,8 +69,6 @@ typedef struct moving_domain {
     item_list contacts; // ascending; those that travelled and the next step begins with, until that
                         // begins
     uint32_t n_own;
-    uint32_t *used;       // [bodies] of ends of what waits: a bit for each colour of the contacts
-                          // that they have here
     domain_place *places; // [bodies + FIXED], apart from the long rows of bodies
     row_list in_order;    // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     row_list neighbours;  // domains whose reaches meet its own

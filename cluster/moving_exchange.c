@@ -269,16 +269,6 @@ void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
         d->places[i] = moving_place_of(d, &d->bodies.rows[i], &d->motion->bodies[i]);
 }
 
-static void reserve_colours(moving_domain *d, duet_error *own)
-{
-    const size_t bytes = (d->bodies.n + FIXED) * sizeof(uint32_t);
-    uint32_t *used = realloc(d->used, bytes);
-    d->used = used ? used : d->used;
-    if (!used)
-        error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
-                  (uint32_t)d->bodies.n);
-}
-
 // They are long, and here only while they are exchanged.
 static void forget_travellers(moving_domain *d)
 {
@@ -298,7 +288,6 @@ bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_err
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
         moving_replace(m, &m->domains[k], own);
         forget_travellers(&m->domains[k]);
-        reserve_colours(&m->domains[k], own);
     }
     ok = ok && halo_settle(&m->halo, m, own);
     if (ok && is_well(own))
