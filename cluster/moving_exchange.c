@@ -75,12 +75,6 @@ bool moving_migrate(moving *m, item_list *bodies, duet_error *own)
 
 // ---------------------------------------------------------------- ghosts
 
-static extent far_extent(const moving_traveller *t)
-{
-    const float *b = t->far_box;
-    return (extent){{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-}
-
 // The far boxes of a domain's own bodies that act: only these have contacts that change or tell
 // something.
 static extent reach_of(const moving *m, const moving_domain *d)
@@ -88,7 +82,7 @@ static extent reach_of(const moving *m, const moving_domain *d)
     extent reach = d->reach;
     for (uint64_t i = 0; i < d->n_came_own; ++i) {
         const moving_traveller *t = moving_traveller_at(m, &d->came, i);
-        const extent box = far_extent(t);
+        const extent box = extent_of_box(t->far_box);
         if (t->body.acts)
             extent_join(&reach, &box);
     }
@@ -106,7 +100,7 @@ static double layers_of(const moving *m)
 static void add_ghosts_of(moving *m, const moving_domain *d, const moving_traveller *t,
                           item_list *out)
 {
-    const extent box = far_extent(t);
+    const extent box = extent_of_box(t->far_box);
     for (uint32_t to = 0; to < m->n_domains; ++to) {
         if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
