@@ -189,6 +189,15 @@ uint32_t moving_domain_of(const moving *m, const char *state);
 // The place of a body in a domain; UINT32_MAX: it is not there.
 uint32_t moving_place(const moving_domain *d, uint32_t id);
 
+// The same of a contact's end, which may be a wall or the ground.
+uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
+
+// Orders contacts by their ends. Adds one, of two places, to those that a motion is to get, which
+// have space for it.
+int moving_compare_contacts(const void *left, const void *right);
+void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
+                        domain_contacts *to);
+
 // Returns whether bodies push each other.
 static inline bool moving_pushes(const moving *m)
 {

@@ -14,7 +14,7 @@ static int compare_travellers(const void *left, const void *right)
     return a->body.id < b->body.id ? -1 : a->body.id > b->body.id;
 }
 
-static int compare_contacts(const void *left, const void *right)
+int moving_compare_contacts(const void *left, const void *right)
 {
     const moving_contact *a = left, *b = right;
     if (a->owner != b->owner)
@@ -27,10 +27,10 @@ static void sort_contacts(const moving *m, item_list *c)
 {
     uint64_t kept = 0;
     if (c->n > 0)
-        qsort(c->items, c->n, m->contact_bytes, compare_contacts);
+        qsort(c->items, c->n, m->contact_bytes, moving_compare_contacts);
     for (uint64_t i = 0; i < c->n; ++i) {
         const moving_contact *one = moving_contact_at(m, c, i);
-        if (kept == 0 || compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
+        if (kept == 0 || moving_compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
             memmove(moving_contact_at(m, c, kept++), one, m->contact_bytes);
     }
     c->n = kept;
@@ -48,6 +48,21 @@ uint32_t moving_place(const moving_domain *d, uint32_t id)
     }
     bool found = low < d->bodies.n && d->bodies.rows[low].id == id;
     return found ? (uint32_t)low : UINT32_MAX;
+}
+
+uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)
+{
+    return id < m->n_all ? moving_place(d, id) : (uint32_t)d->bodies.n + (id - m->n_all);
+}
+
+void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
+                        domain_contacts *to)
+{
+    const size_t record = m->contact_bytes - sizeof *c;
+    to->links[to->n] = (cl_uint2){{owner, other}};
+    to->touches[to->n] = c->touch;
+    to->colours[to->n] = c->colour;
+    memcpy((char *)to->records + to->n++ * record, c + 1, record);
 }
 
 // ---------------------------------------------------------------- into the motions
@@ -160,23 +175,14 @@ static void wake_end(const moving_domain *d, const moving_contact *c, uint32_t p
 // A contact of which an end is not here any more is none: bounds that meet are here.
 static void fill_contacts(const moving *m, const moving_domain *d, replacement *r)
 {
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
-    domain_contacts *to = &r->contacts;
-    to->n = 0;
+    r->contacts.n = 0;
     for (uint64_t i = 0; i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        bool fixed = c->other >= m->n_all;
-        uint32_t owner = moving_place(d, c->owner);
-        uint32_t other =
-            fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all) : moving_place(d, c->other);
-        if (owner == UINT32_MAX || other == UINT32_MAX) {
+        const uint32_t owner = moving_place(d, c->owner), other = moving_end_place(m, d, c->other);
+        if (owner == UINT32_MAX || other == UINT32_MAX)
             wake_end(d, c, owner != UINT32_MAX ? owner : other, r);
-            continue;
-        }
-        to->links[to->n] = (cl_uint2){{owner, other}};
-        to->touches[to->n] = c->touch;
-        to->colours[to->n] = c->colour;
-        memcpy((char *)to->records + to->n++ * record, c + 1, record);
+        else
+            moving_put_contact(m, c, owner, other, &r->contacts);
     }
 }
 

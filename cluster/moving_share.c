@@ -78,29 +78,13 @@ static void list_all(moving *m, item_list *out, duet_error *own)
 
 // ---------------------------------------------------------------- those that came
 
-static int compare_contacts(const void *left, const void *right)
-{
-    const moving_contact *a = left, *b = right;
-    if (a->owner != b->owner)
-        return a->owner < b->owner ? -1 : 1;
-    return a->other < b->other ? -1 : a->other > b->other;
-}
-
 static void add_contact(const moving *m, const moving_domain *d, const moving_contact *c,
                         domain_contacts *to)
 {
-    const size_t record = m->contact_bytes - sizeof *c;
-    const bool fixed = c->other >= m->n_all;
-    const uint32_t owner = moving_place(d, c->owner),
-                   other = fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all)
-                                 : moving_place(d, c->other);
-    if (owner == UINT32_MAX || other == UINT32_MAX ||
-        moving_decides_contact(d, (uint32_t[]){owner, other}))
-        return;
-    to->links[to->n] = (cl_uint2){{owner, other}};
-    to->touches[to->n] = c->touch;
-    to->colours[to->n] = c->colour;
-    memcpy((char *)to->records + to->n++ * record, c + 1, record);
+    const uint32_t owner = moving_place(d, c->owner), other = moving_end_place(m, d, c->other);
+    if (owner != UINT32_MAX && other != UINT32_MAX &&
+        !moving_decides_contact(d, (uint32_t[]){owner, other}))
+        moving_put_contact(m, c, owner, other, to);
 }
 
 // Contacts of one sender ascend.
@@ -108,7 +92,7 @@ static void add_shared(const moving *m, moving_domain *d, duet_error *own)
 {
     domain_contacts all = {.n = (uint32_t)d->shared.n};
     if (d->shared.n > 0)
-        qsort(d->shared.items, d->shared.n, m->contact_bytes, compare_contacts);
+        qsort(d->shared.items, d->shared.n, m->contact_bytes, moving_compare_contacts);
     if (domain_contacts_reserve(&all, d->motion, true, own)) {
         all.n = 0;
         for (uint64_t i = 0; i < d->shared.n; ++i)
