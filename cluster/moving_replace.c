@@ -2,6 +2,7 @@
 // A domain's bodies and contacts, once all have come, become those of its motion.
 #include "cluster/moving_domains.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 #include <inttypes.h>
@@ -17,9 +18,8 @@ static int compare_travellers(const void *left, const void *right)
 int moving_compare_contacts(const void *left, const void *right)
 {
     const moving_contact *a = left, *b = right;
-    if (a->owner != b->owner)
-        return a->owner < b->owner ? -1 : 1;
-    return a->other < b->other ? -1 : a->other > b->other;
+    return a->owner != b->owner ? compare_uint32(&a->owner, &b->owner)
+                                : compare_uint32(&a->other, &b->other);
 }
 
 // Domains that each had an end of a contact send it to one that has both.
@@ -38,16 +38,8 @@ static void sort_contacts(const moving *m, item_list *c)
 
 uint32_t moving_place(const moving_domain *d, uint32_t id)
 {
-    uint64_t low = 0, n = d->bodies.n;
-    while (low < n) {
-        uint64_t middle = low + (n - low) / 2;
-        if (d->bodies.rows[middle].id < id)
-            low = middle + 1;
-        else
-            n = middle;
-    }
-    bool found = low < d->bodies.n && d->bodies.rows[low].id == id;
-    return found ? (uint32_t)low : UINT32_MAX;
+    const uint64_t at = list_find(&d->bodies.list, sizeof *d->bodies.rows, &id, compare_uint32);
+    return at < d->bodies.n && d->bodies.rows[at].id == id ? (uint32_t)at : UINT32_MAX;
 }
 
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)

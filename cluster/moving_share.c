@@ -16,21 +16,6 @@ static int compare_visits(const void *left, const void *right)
     return a->place < b->place ? -1 : a->place > b->place;
 }
 
-// The first of the visits that an own body makes; the n-th: it makes none.
-static uint64_t first_visit(const item_list *visits, uint32_t domain, uint32_t place)
-{
-    const halo_item key = {.domain = domain, .place = place};
-    uint64_t low = 0, high = visits->n;
-    while (low < high) {
-        uint64_t middle = low + (high - low) / 2;
-        if (compare_visits((const halo_item *)visits->items + middle, &key) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 // A contact goes where its first end that moves is a ghost: the other one is there, too, or it is
 // dropped.
 static void send_contact(const moving *m, const moving_domain *d, const item_list *visits,
@@ -38,8 +23,8 @@ static void send_contact(const moving *m, const moving_domain *d, const item_lis
 {
     const uint32_t place = ends[d->places[ends[0]].kind & PLACE_MOVES ? 0 : 1],
                    domain = d->number % m->parts;
-    const halo_item *v = visits->items;
-    for (uint64_t k = first_visit(visits, domain, place);
+    const halo_item key = {.domain = domain, .place = place}, *v = visits->items;
+    for (uint64_t k = list_find(visits, sizeof key, &key, compare_visits);
          k < visits->n && v[k].domain == domain && v[k].place == place; ++k) {
         row->domain = v[k].to;
         list_add(out, row, 1, m->contact_bytes);
