@@ -16,6 +16,12 @@ static const extent extent_none = {{INFINITY, INFINITY, INFINITY},
 static const extent extent_all = {{-INFINITY, -INFINITY, -INFINITY},
                                   {INFINITY, INFINITY, INFINITY}};
 
+// A box as devices have it: lower xyz, upper xyz.
+static inline extent extent_of_box(const float box[6])
+{
+    return (extent){{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
+}
+
 // Unlike fmin and fmax these are no calls, which would take longer than the rest.
 static inline double lesser(double a, double b)
 {

@@ -76,17 +76,22 @@ static void clear_list(halo_side *s, int list, int n_ranks)
     memset(s->counts + (size_t)list * n_ranks, 0, (size_t)n_ranks * sizeof *s->counts);
 }
 
+// The item at a place of a list begins a run, or goes on with that of its domain.
+static void add_to_runs(halo_runs *runs, uint32_t domain, uint64_t at)
+{
+    if (!runs->failed && (runs->n == 0 || runs->runs[runs->n - 1].domain != domain))
+        list_add(&runs->list, &(halo_run){domain, (uint32_t)at, 0}, 1, sizeof(halo_run));
+    if (!runs->failed)
+        ++runs->runs[runs->n - 1].n;
+}
+
 // The list's memory is there.
 static void add_to_list(halo_side *s, int list, const halo_item *item, int n_ranks)
 {
-    halo_runs *runs = &s->runs[list];
     const uint32_t at = s->first[list] + s->n[list]++;
     s->places.rows[at] = item->place;
     ++s->counts[(size_t)list * n_ranks + item->rank];
-    if (runs->n == 0 || runs->runs[runs->n - 1].domain != item->domain)
-        list_add(&runs->list, &(halo_run){item->domain, at, 0}, 1, sizeof(halo_run));
-    if (!runs->failed)
-        ++runs->runs[runs->n - 1].n;
+    add_to_runs(&s->runs[list], item->domain, at);
 }
 
 static bool reserve_places(halo_side *s, uint64_t n, duet_error *own)
@@ -187,7 +192,7 @@ static row_parts whole_row(const moving *m, motion_buffer which)
     return (row_parts){.words = {motion_words(m->domains[0].motion, which)}};
 }
 
-// What an exchange moves.
+// Rows that an exchange moves.
 typedef struct rows_moved {
     motion_buffer which;
     row_parts parts;
@@ -368,13 +373,8 @@ static void list_asked(const halo_side *s, parcels *rows, asked_list *asked)
         const halo_item *item = item_at(s, i);
         for (uint32_t left = colours[i].asked; left != 0; left &= left - 1) {
             const asked_contact one = {item->place, (uint32_t)__builtin_ctz(left)};
-            const uint64_t n = asked->runs.n, at = asked->list.n;
-            if (n == 0 || asked->runs.runs[n - 1].domain != item->domain)
-                list_add(&asked->runs.list, &(halo_run){item->domain, (uint32_t)at, 0}, 1,
-                         sizeof(halo_run));
+            add_to_runs(&asked->runs, item->domain, asked->list.n);
             list_add(&asked->list.list, &one, 1, sizeof one);
-            if (!asked->runs.failed)
-                ++asked->runs.runs[asked->runs.n - 1].n;
             ++rows->counts[item->rank];
         }
     }

@@ -22,8 +22,8 @@ typedef struct halo_item {
 // which nobody asks for before the step ends.
 enum { HALO_COLOURS = 31, HALO_END = HALO_COLOURS, HALO_ANY, HALO_LATE, HALO_ALL, HALO_LISTS };
 
-// Bits for colours of a ghost's contacts. Those of `comes` are colours after which the ghost is to
-// be sent; HALO_END: after all.
+// Bits for colours of a ghost's contacts. `comes` has colours after which the ghost is to be sent;
+// HALO_END: after all.
 typedef struct ghost_colours {
     uint32_t at_home; // of all its contacts
     uint32_t here;    // of those that are solved here

@@ -54,6 +54,22 @@ static inline void list_append(item_list *l, const item_list *more, size_t bytes
     list_add(l, more->items, more->n, bytes);
 }
 
+// Returns the first item that is not below the key, of those that ascend as the order does; n:
+// none.
+static inline uint64_t list_find(const item_list *l, size_t bytes, const void *key,
+                                 int (*compare)(const void *, const void *))
+{
+    uint64_t low = 0, high = l->n;
+    while (low < high) {
+        uint64_t middle = low + (high - low) / 2;
+        if (compare((const unsigned char *)l->items + middle * bytes, key) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 // Keeps the memory. One that has failed tries again.
 static inline void list_clear(item_list *l)
 {

@@ -354,7 +354,6 @@ void moving_end(moving *m)
         free(m->domains[k].gone.rows);
         free(m->domains[k].came.items);
         free(m->domains[k].contacts.items);
-        free(m->domains[k].used);
         free(m->domains[k].places);
         free(m->domains[k].neighbours.rows);
         domain_contacts_free(&m->domains[k].told);

@@ -21,35 +21,39 @@ static void list_ends(const moving_domain *d, row_list *places)
         }
 }
 
-static void read_used(moving_domain *d, duet_error *own)
+// Returns the colours of their contacts, in that order, to be freed.
+static uint32_t *read_used(const moving_domain *d, duet_error *own)
 {
     row_list places = {0};
     list_ends(d, &places);
     uint32_t *used = malloc((places.n + 1) * sizeof *used);
     if (!used || places.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-    else if (domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own))
-        for (uint64_t i = 0; i < places.n; ++i)
-            d->used[places.rows[i]] = used[i];
+    else
+        domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own);
     free(places.rows);
-    free(used);
+    return used;
 }
 
-// The colours that an end has, if all its contacts are here.
-static uint32_t used_of(const moving_domain *d, uint32_t place)
+// The colours that an end has, if all its contacts are here. Takes the next of a body that moves.
+static uint32_t take_used(const moving_domain *d, uint32_t place, const uint32_t **used)
 {
-    return moving_decides_at(d, place) ? d->used[place] : 0;
+    const uint32_t colours = d->places[place].kind & PLACE_MOVES ? *(*used)++ : 0;
+    return moving_decides_at(d, place) ? colours : 0;
 }
 
-static void list_waiting(const moving *m, const moving_domain *d, waiting_list *waiting)
+static void list_waiting(const moving *m, const moving_domain *d, const uint32_t *used,
+                         waiting_list *waiting)
 {
     for (uint64_t i = 0; i < d->waiting.n; ++i) {
         const uint32_t *ends = d->told.links[d->waiting.rows[i]].s;
+        const uint32_t owner_used = take_used(d, ends[0], &used),
+                       other_used = take_used(d, ends[1], &used);
         const waiting_contact one = {.owner = moving_id(m, d, ends[0]),
                                      .other = moving_id(m, d, ends[1]),
                                      .other_moves = (d->places[ends[1]].kind & PLACE_MOVES) != 0,
-                                     .owner_used = used_of(d, ends[0]),
-                                     .other_used = used_of(d, ends[1]),
+                                     .owner_used = owner_used,
+                                     .other_used = other_used,
                                      .colour = COLOUR_WAITS,
                                      .is_decided_here = 1};
         if (moving_decides_contact(d, ends))
@@ -68,12 +72,14 @@ static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *wa
     for (uint32_t i = 0; i < d->told.n; ++i)
         if (d->told.colours[i] == COLOUR_WAITS)
             row_list_add(&d->waiting, i);
-    if (d->waiting.failed)
+    if (d->waiting.failed) {
         error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
-    else
-        read_used(d, own);
+        return;
+    }
+    uint32_t *used = read_used(d, own);
     if (is_well(own))
-        list_waiting(m, d, waiting);
+        list_waiting(m, d, used, waiting);
+    free(used);
 }
 
 // ---------------------------------------------------------------- all domains
@@ -176,12 +182,6 @@ static bool order_contacts(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- all of it
 
-static void close_domain(const moving *m, moving_domain *d, duet_error *own)
-{
-    if (is_well(own))
-        domain_close(d->motion, m->every, own);
-}
-
 static void list_colours(moving_domain *d, tally *t, duet_error *own)
 {
     domain_closed closed;
@@ -193,8 +193,8 @@ static void list_colours(moving_domain *d, tally *t, duet_error *own)
 static bool close_all(moving *m, tally *t, duet_error *own)
 {
     *t = (tally){0};
-    for (uint32_t k = 0; k < m->parts; ++k)
-        close_domain(m, &m->domains[k], own);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_close(m->domains[k].motion, m->every, own);
     halo_ask(&m->halo, m, own);
     if (!halo_bring_asked(&m->halo, m, own))
         return false;

@@ -302,18 +302,14 @@ static bool find_facts(const moving *m, command_part *parts, effect_facts *facts
 // Bodies of new places are the domain's own until they are exchanged.
 static void add_new_bodies(moving *m, moving_domain *d, const command_part *p, duet_error *own)
 {
-    const uint64_t n = d->bodies.n + p->n_new;
-    uint32_t *used = realloc(d->used, (n + 1) * sizeof *used);
-    d->used = used ? used : d->used;
-    for (uint32_t i = 0; used && i < p->c.list.n; ++i) {
+    for (uint32_t i = 0; i < p->c.list.n; ++i) {
         const moving_body b = {.id = (uint32_t)p->ids[i], .own = d->number, .complete = 1};
         if (b.id < m->n_all)
             continue;
-        used[d->bodies.n] = 0;
         list_add(&d->bodies.list, &b, 1, sizeof b);
         ++d->n_own;
     }
-    if (!used || d->bodies.failed)
+    if (d->bodies.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for bodies that come", p->c.call);
 }
 

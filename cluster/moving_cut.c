@@ -35,7 +35,7 @@ static void choose_sampled(const moving_domain *d, uint64_t every, row_list *pla
             row_list_add(places, (uint32_t)i);
 }
 
-// What is known of them.
+// Their colours and states.
 typedef struct sampled {
     uint32_t *used;
     char *states;

@@ -69,8 +69,6 @@ typedef struct moving_domain {
     item_list contacts; // ascending; those that travelled and the next step begins with, until that
                         // begins
     uint32_t n_own;
-    uint32_t *used;       // [bodies] of ends of what waits: a bit for each colour of the contacts
-                          // that they have here
     domain_place *places; // [bodies + FIXED], apart from the long rows of bodies
     row_list in_order;    // its contacts of COLOUR_OVERFLOW: ascending places among those of all
     row_list neighbours;  // domains whose reaches meet its own
@@ -190,6 +188,15 @@ uint32_t moving_domain_of(const moving *m, const char *state);
 
 // The place of a body in a domain; UINT32_MAX: it is not there.
 uint32_t moving_place(const moving_domain *d, uint32_t id);
+
+// The same of a contact's end, which may be a wall or the ground.
+uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
+
+// Orders contacts by their ends. Adds one, of two places, to those that a motion is to get, which
+// have space for it.
+int moving_compare_contacts(const void *left, const void *right);
+void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
+                        domain_contacts *to);
 
 // Returns whether bodies push each other.
 static inline bool moving_pushes(const moving *m)

@@ -75,12 +75,6 @@ bool moving_migrate(moving *m, item_list *bodies, duet_error *own)
 
 // ---------------------------------------------------------------- ghosts
 
-static extent far_extent(const moving_traveller *t)
-{
-    const float *b = t->far_box;
-    return (extent){{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-}
-
 // The far boxes of a domain's own bodies that act: only these have contacts that change or tell
 // something.
 static extent reach_of(const moving *m, const moving_domain *d)
@@ -88,7 +82,7 @@ static extent reach_of(const moving *m, const moving_domain *d)
     extent reach = d->reach;
     for (uint64_t i = 0; i < d->n_came_own; ++i) {
         const moving_traveller *t = moving_traveller_at(m, &d->came, i);
-        const extent box = far_extent(t);
+        const extent box = extent_of_box(t->far_box);
         if (t->body.acts)
             extent_join(&reach, &box);
     }
@@ -106,7 +100,7 @@ static double layers_of(const moving *m)
 static void add_ghosts_of(moving *m, const moving_domain *d, const moving_traveller *t,
                           item_list *out)
 {
-    const extent box = far_extent(t);
+    const extent box = extent_of_box(t->far_box);
     for (uint32_t to = 0; to < m->n_domains; ++to) {
         if (to == d->number || !extents_meet(&box, &m->reaches[to]))
             continue;
@@ -269,16 +263,6 @@ void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
         d->places[i] = moving_place_of(d, &d->bodies.rows[i], &d->motion->bodies[i]);
 }
 
-static void reserve_colours(moving_domain *d, duet_error *own)
-{
-    const size_t bytes = (d->bodies.n + FIXED) * sizeof(uint32_t);
-    uint32_t *used = realloc(d->used, bytes);
-    d->used = used ? used : d->used;
-    if (!used)
-        error_set(own, DUET_STATUS_NO_MEMORY, "the colours of %u bodies: no memory",
-                  (uint32_t)d->bodies.n);
-}
-
 // They are long, and here only while they are exchanged.
 static void forget_travellers(moving_domain *d)
 {
@@ -298,7 +282,6 @@ bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_err
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
         moving_replace(m, &m->domains[k], own);
         forget_travellers(&m->domains[k]);
-        reserve_colours(&m->domains[k], own);
     }
     ok = ok && halo_settle(&m->halo, m, own);
     if (ok && is_well(own))

@@ -2,6 +2,7 @@
 // A domain's bodies and contacts, once all have come, become those of its motion.
 #include "cluster/moving_domains.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 
 #include <inttypes.h>
@@ -14,12 +15,11 @@ static int compare_travellers(const void *left, const void *right)
     return a->body.id < b->body.id ? -1 : a->body.id > b->body.id;
 }
 
-static int compare_contacts(const void *left, const void *right)
+int moving_compare_contacts(const void *left, const void *right)
 {
     const moving_contact *a = left, *b = right;
-    if (a->owner != b->owner)
-        return a->owner < b->owner ? -1 : 1;
-    return a->other < b->other ? -1 : a->other > b->other;
+    return a->owner != b->owner ? compare_uint32(&a->owner, &b->owner)
+                                : compare_uint32(&a->other, &b->other);
 }
 
 // Domains that each had an end of a contact send it to one that has both.
@@ -27,10 +27,10 @@ static void sort_contacts(const moving *m, item_list *c)
 {
     uint64_t kept = 0;
     if (c->n > 0)
-        qsort(c->items, c->n, m->contact_bytes, compare_contacts);
+        qsort(c->items, c->n, m->contact_bytes, moving_compare_contacts);
     for (uint64_t i = 0; i < c->n; ++i) {
         const moving_contact *one = moving_contact_at(m, c, i);
-        if (kept == 0 || compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
+        if (kept == 0 || moving_compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
             memmove(moving_contact_at(m, c, kept++), one, m->contact_bytes);
     }
     c->n = kept;
@@ -38,16 +38,23 @@ static void sort_contacts(const moving *m, item_list *c)
 
 uint32_t moving_place(const moving_domain *d, uint32_t id)
 {
-    uint64_t low = 0, n = d->bodies.n;
-    while (low < n) {
-        uint64_t middle = low + (n - low) / 2;
-        if (d->bodies.rows[middle].id < id)
-            low = middle + 1;
-        else
-            n = middle;
-    }
-    bool found = low < d->bodies.n && d->bodies.rows[low].id == id;
-    return found ? (uint32_t)low : UINT32_MAX;
+    const uint64_t at = list_find(&d->bodies.list, sizeof *d->bodies.rows, &id, compare_uint32);
+    return at < d->bodies.n && d->bodies.rows[at].id == id ? (uint32_t)at : UINT32_MAX;
+}
+
+uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)
+{
+    return id < m->n_all ? moving_place(d, id) : (uint32_t)d->bodies.n + (id - m->n_all);
+}
+
+void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
+                        domain_contacts *to)
+{
+    const size_t record = m->contact_bytes - sizeof *c;
+    to->links[to->n] = (cl_uint2){{owner, other}};
+    to->touches[to->n] = c->touch;
+    to->colours[to->n] = c->colour;
+    memcpy((char *)to->records + to->n++ * record, c + 1, record);
 }
 
 // ---------------------------------------------------------------- into the motions
@@ -93,7 +100,7 @@ static void free_replacement(replacement *r)
     domain_contacts_free(&r->contacts);
 }
 
-// Those that stay and those that came, by their ids.
+// Merges those that stay and those that came, by their ids.
 static void merge(const moving *m, const moving_domain *d, domain_bodies *b)
 {
     uint32_t at = 0, came = 0;
@@ -160,23 +167,14 @@ static void wake_end(const moving_domain *d, const moving_contact *c, uint32_t p
 // A contact of which an end is not here any more is none: bounds that meet are here.
 static void fill_contacts(const moving *m, const moving_domain *d, replacement *r)
 {
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
-    domain_contacts *to = &r->contacts;
-    to->n = 0;
+    r->contacts.n = 0;
     for (uint64_t i = 0; i < d->contacts.n; ++i) {
         const moving_contact *c = moving_contact_at(m, &d->contacts, i);
-        bool fixed = c->other >= m->n_all;
-        uint32_t owner = moving_place(d, c->owner);
-        uint32_t other =
-            fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all) : moving_place(d, c->other);
-        if (owner == UINT32_MAX || other == UINT32_MAX) {
+        const uint32_t owner = moving_place(d, c->owner), other = moving_end_place(m, d, c->other);
+        if (owner == UINT32_MAX || other == UINT32_MAX)
             wake_end(d, c, owner != UINT32_MAX ? owner : other, r);
-            continue;
-        }
-        to->links[to->n] = (cl_uint2){{owner, other}};
-        to->touches[to->n] = c->touch;
-        to->colours[to->n] = c->colour;
-        memcpy((char *)to->records + to->n++ * record, c + 1, record);
+        else
+            moving_put_contact(m, c, owner, other, &r->contacts);
     }
 }
 
@@ -244,7 +242,7 @@ static void keep_contacts(const moving *m, const moving_domain *d, duet_error *o
     free(moved);
 }
 
-// What is known of places stays until contacts are kept.
+// Places stay as they were until contacts are kept.
 static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own)
 {
     const domain_bodies *b = &r->bodies;

@@ -11,7 +11,7 @@
 // searched more often than bodies are exchanged.
 enum { STEPS_WITHIN = 8 };
 
-// What is read of bodies, and a row for one of them.
+// States and far boxes of bodies, and a row for one of them.
 typedef struct reading {
     char *states;
     float *far_boxes;
@@ -82,10 +82,7 @@ static bool make_far_boxes(const moving *m, moving_domain *d, const extent *home
     float reach[6];
     moving_round_extent(m, home, true, far.home);
     bool ok = domain_make_far_boxes(d->motion, &far, reach, near, n, own);
-    for (int k = 0; k < 3; ++k) {
-        d->reach.lower[k] = reach[k];
-        d->reach.upper[k] = reach[k + 3];
-    }
+    d->reach = extent_of_box(reach);
     return ok;
 }
 
@@ -139,16 +136,6 @@ static void add_ghosts(const moving *m, moving_domain *d)
         qsort(d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32);
 }
 
-static void add_to_reach(moving_domain *d, const float box[6])
-{
-    extent e;
-    for (int k = 0; k < 3; ++k) {
-        e.lower[k] = box[k];
-        e.upper[k] = box[k + 3];
-    }
-    extent_join(&d->reach, &e);
-}
-
 // Own bodies go to the domain that they are to be own ones of, or stay.
 static void part_with(moving *m, moving_domain *d, const row_list *places, const item_list *rows,
                       item_list *out)
@@ -156,6 +143,7 @@ static void part_with(moving *m, moving_domain *d, const row_list *places, const
     const bool all = moving_all_travel(m);
     for (uint64_t i = 0; i < rows->n; ++i) {
         const moving_traveller *row = moving_traveller_at(m, rows, i);
+        const extent box = extent_of_box(row->far_box);
         moving_body *b = &d->bodies.rows[places->rows[i]];
         b->next = row->domain;
         if (!moving_is_own(d, b))
@@ -165,7 +153,7 @@ static void part_with(moving *m, moving_domain *d, const row_list *places, const
         else if (all)
             list_add(&d->came, row, 1, m->traveller_bytes);
         else if (b->acts)
-            add_to_reach(d, row->far_box);
+            extent_join(&d->reach, &box);
         if (!all && b->next != d->number)
             row_list_add(&d->gone, places->rows[i]);
     }

@@ -16,21 +16,6 @@ static int compare_visits(const void *left, const void *right)
     return a->place < b->place ? -1 : a->place > b->place;
 }
 
-// The first of the visits that an own body makes; the n-th: it makes none.
-static uint64_t first_visit(const item_list *visits, uint32_t domain, uint32_t place)
-{
-    const halo_item key = {.domain = domain, .place = place};
-    uint64_t low = 0, high = visits->n;
-    while (low < high) {
-        uint64_t middle = low + (high - low) / 2;
-        if (compare_visits((const halo_item *)visits->items + middle, &key) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 // A contact goes where its first end that moves is a ghost: the other one is there, too, or it is
 // dropped.
 static void send_contact(const moving *m, const moving_domain *d, const item_list *visits,
@@ -38,8 +23,8 @@ static void send_contact(const moving *m, const moving_domain *d, const item_lis
 {
     const uint32_t place = ends[d->places[ends[0]].kind & PLACE_MOVES ? 0 : 1],
                    domain = d->number % m->parts;
-    const halo_item *v = visits->items;
-    for (uint64_t k = first_visit(visits, domain, place);
+    const halo_item key = {.domain = domain, .place = place}, *v = visits->items;
+    for (uint64_t k = list_find(visits, sizeof key, &key, compare_visits);
          k < visits->n && v[k].domain == domain && v[k].place == place; ++k) {
         row->domain = v[k].to;
         list_add(out, row, 1, m->contact_bytes);
@@ -78,37 +63,21 @@ static void list_all(moving *m, item_list *out, duet_error *own)
 
 // ---------------------------------------------------------------- those that came
 
-static int compare_contacts(const void *left, const void *right)
-{
-    const moving_contact *a = left, *b = right;
-    if (a->owner != b->owner)
-        return a->owner < b->owner ? -1 : 1;
-    return a->other < b->other ? -1 : a->other > b->other;
-}
-
 static void add_contact(const moving *m, const moving_domain *d, const moving_contact *c,
                         domain_contacts *to)
 {
-    const size_t record = m->contact_bytes - sizeof *c;
-    const bool fixed = c->other >= m->n_all;
-    const uint32_t owner = moving_place(d, c->owner),
-                   other = fixed ? (uint32_t)d->bodies.n + (c->other - m->n_all)
-                                 : moving_place(d, c->other);
-    if (owner == UINT32_MAX || other == UINT32_MAX ||
-        moving_decides_contact(d, (uint32_t[]){owner, other}))
-        return;
-    to->links[to->n] = (cl_uint2){{owner, other}};
-    to->touches[to->n] = c->touch;
-    to->colours[to->n] = c->colour;
-    memcpy((char *)to->records + to->n++ * record, c + 1, record);
+    const uint32_t owner = moving_place(d, c->owner), other = moving_end_place(m, d, c->other);
+    if (owner != UINT32_MAX && other != UINT32_MAX &&
+        !moving_decides_contact(d, (uint32_t[]){owner, other}))
+        moving_put_contact(m, c, owner, other, to);
 }
 
-// Those of one sender ascend.
+// Contacts of one sender ascend.
 static void add_shared(const moving *m, moving_domain *d, duet_error *own)
 {
     domain_contacts all = {.n = (uint32_t)d->shared.n};
     if (d->shared.n > 0)
-        qsort(d->shared.items, d->shared.n, m->contact_bytes, compare_contacts);
+        qsort(d->shared.items, d->shared.n, m->contact_bytes, moving_compare_contacts);
     if (domain_contacts_reserve(&all, d->motion, true, own)) {
         all.n = 0;
         for (uint64_t i = 0; i < d->shared.n; ++i)

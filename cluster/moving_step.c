@@ -200,9 +200,10 @@ bool moving_stays(const moving *m, const moving_domain *d, const extent *old, co
 
 static extent extent_of_bounds(const moving *m, const float bounds[6])
 {
-    const bool flat = m->def.dims == 2;
-    return (extent){{bounds[0], bounds[1], flat ? 0.0 : bounds[2]},
-                    {bounds[3], bounds[4], flat ? 0.0 : bounds[5]}};
+    extent e = extent_of_box(bounds);
+    if (m->def.dims == 2)
+        e.lower[2] = e.upper[2] = 0.0;
+    return e;
 }
 
 // The far boxes of bodies that the device listed, to be freed.

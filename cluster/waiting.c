@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/waiting.h"
 
+#include "base/compare.h"
 #include "base/error.h"
 #include "cluster/moving_domains.h"
 
@@ -22,26 +23,13 @@ typedef struct waiting_told {
 
 typedef LIST_OF(waiting_told, rows) told_list;
 
-static int compare_words(const uint32_t *a, const uint32_t *b, int n)
-{
-    for (int k = 0; k < n; ++k)
-        if (a[k] != b[k])
-            return a[k] < b[k] ? -1 : 1;
-    return 0;
-}
-
-static int compare_ends(const void *left, const void *right)
-{
-    const waiting_end *a = left, *b = right;
-    return compare_words((const uint32_t[]){a->id, a->contact},
-                         (const uint32_t[]){b->id, b->contact}, 2);
-}
-
 static int compare_told(const void *left, const void *right)
 {
     const waiting_told *a = left, *b = right;
-    return compare_words((const uint32_t[]){a->rank, a->owner, a->other},
-                         (const uint32_t[]){b->rank, b->owner, b->other}, 3);
+    if (a->rank != b->rank)
+        return compare_uint32(&a->rank, &b->rank);
+    return a->owner != b->owner ? compare_uint32(&a->owner, &b->owner)
+                                : compare_uint32(&a->other, &b->other);
 }
 
 static void list_ends(const waiting_list *known, end_list *list)
@@ -53,20 +41,7 @@ static void list_ends(const waiting_list *known, end_list *list)
             list_add(&list->list, &(waiting_end){c->other, i}, 1, sizeof(waiting_end));
     }
     if (list->n > 0 && !list->failed)
-        qsort(list->ends, list->n, sizeof *list->ends, compare_ends);
-}
-
-static uint64_t first_of(const end_list *list, uint32_t id)
-{
-    uint64_t low = 0, n = list->n;
-    while (low < n) {
-        uint64_t middle = low + (n - low) / 2;
-        if (list->ends[middle].id < id)
-            low = middle + 1;
-        else
-            n = middle;
-    }
-    return low;
+        qsort(list->ends, list->n, sizeof *list->ends, compare_uint32_pair);
 }
 
 // The ranks that have an end as a ghost; each contact once.
@@ -76,8 +51,8 @@ static void list_told(const moving *m, const waiting_list *known, const end_list
     const halo_item *sent = m->halo.sent.items.items;
     uint64_t kept = 0;
     for (uint64_t i = 0; ends->n > 0 && i < m->halo.sent.items.n; ++i)
-        for (uint64_t k = first_of(ends, sent[i].id); k < ends->n && ends->ends[k].id == sent[i].id;
-             ++k) {
+        for (uint64_t k = list_find(&ends->list, sizeof *ends->ends, &sent[i].id, compare_uint32);
+             k < ends->n && ends->ends[k].id == sent[i].id; ++k) {
             const waiting_contact *c = &known->contacts[ends->ends[k].contact];
             const waiting_told one = {sent[i].rank, c->owner, c->other};
             if (sent[i].rank != (uint32_t)m->ranks->self)

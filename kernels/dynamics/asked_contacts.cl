@@ -29,8 +29,8 @@ __kernel void read_asked(READ_ASKED_ARGS)
     }
 }
 
-// What was taken for a contact that is another one is unknown from now on. One that is not solved here is left at home in
-// this step.
+// A contact that was mistaken for the one that came is unknown from now on. One that is not solved here is left at home
+// in this step.
 __kernel void take_asked(TAKE_ASKED_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);

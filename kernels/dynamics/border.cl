@@ -15,16 +15,6 @@
 //   places        [n + FIXED] id, and bits of border.h
 //   border_starts [n_contacts + 1]
 //   border        row, owner, other and colour of each that is listed; rows ascend
-static inline bool decides(uint kind)
-{
-    return (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
-}
-
-static inline bool is_ghost(uint kind)
-{
-    return (kind & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
-}
-
 static inline bool is_awake(uint kind, uint asleep)
 {
     return (kind & PLACE_MOVES) && !(asleep & SLEEPS);

@@ -21,7 +21,7 @@
 #define LISTED_SHARED 2
 #define LISTED_SENT 3
 
-// Of a listed contact: its colour, beside it COLOUR_LEFT, and whether it is solved here.
+// Bits of a listed contact: its colour, beside it COLOUR_LEFT, and whether it is solved here.
 #define BORDER_COLOUR 63u
 #define BORDER_SOLVED 128u
 

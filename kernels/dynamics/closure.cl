@@ -24,16 +24,6 @@
 //   closing words of border.h
 #define BELOW_ALL 0x7fffffffu // colours that are no COLOUR_OVERFLOW
 
-static inline bool is_ghost(uint kind)
-{
-    return (kind & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
-}
-
-static inline bool decides(uint kind)
-{
-    return (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
-}
-
 // Bits of colours (from, to].
 static inline uint colours_between(uint from, uint to)
 {

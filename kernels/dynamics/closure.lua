@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts of ghosts that a domain solves as well as their homes",
-  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/colour_choice.clh" },
+  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/place_kind.clh", "dynamics/colour_choice.clh" },
   params = { common.GROUP(64), common.ROWS_AN_ITEM },
   args = {
     begin_ghosts = [[

@@ -16,8 +16,8 @@ typedef struct {
     ARG_FIELDS
 } graph;
 
-// Where contacts go: rows that are counted in `starts`, which a scan sums, and then written to `values`; by a team
-// (row_buckets.clh) first buckets of rows, each with its next place.
+// Takes contacts: rows that are counted in `starts`, which a scan sums, and then written to `values`; by a team first
+// buckets of rows, each with its next place.
 typedef struct {
     uint fill; // 0: counts, 1: writes
     volatile __global uint *starts;

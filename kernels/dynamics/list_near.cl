@@ -98,9 +98,8 @@ __kernel void make_far_boxes(MAKE_FAR_BOXES_ARGS)
             lower.z = upper.z = 0;
         vstore3(lower, 2 * (size_t)id, far_boxes);
         vstore3(upper, 2 * (size_t)id + 1, far_boxes);
-        bool acts = (kind & PLACE_OWN) && (kind & (PLACE_MOVES | PLACE_SENSOR));
-        least = stays && acts ? fmin(least, lower) : least;
-        greatest = stays && acts ? fmax(greatest, upper) : greatest;
+        least = stays && decides(kind) ? fmin(least, lower) : least;
+        greatest = stays && decides(kind) ? fmax(greatest, upper) : greatest;
     }
     raise_words(near + 1, -least);
     raise_words(near + 4, greatest);

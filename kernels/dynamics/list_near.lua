@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "bodies of a domain that are near its borders, or leave it",
-  uses = { "dynamics/border.h" },
+  uses = { "dynamics/border.h", "dynamics/place_kind.clh" },
   params = { common.DIMS, common.DOUBLE, common.GROUP(64), common.ROWS_AN_ITEM },
   valid = common.can_double,
   args = {

@@ -11,7 +11,7 @@
 // steps alone. Fails as that does. *given: some came with this call.
 bool replay_give(duet_replay *replay, duet_motion *motion, bool *given, duet_error *err);
 
-// What a motion must be as its recording begins: places, and the sum of its ground (recording.h).
+// A motion as its recording begins: places, and the sum of its ground (recording.h).
 typedef struct replay_begin {
     uint32_t n, dims;
     uint64_t step, hash, ground;

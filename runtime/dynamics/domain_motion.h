@@ -52,9 +52,6 @@ bool domain_read_states(duet_motion *m, const uint32_t *places, uint32_t n, char
 bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
 void domain_forget_bounds(duet_motion *m);
 
-// Byte of a state at which the seconds at rest lie; only where bodies sleep.
-size_t domain_rest_at(const duet_motion *m);
-
 // Whether a contact's record of n points pushed in the last step.
 bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 

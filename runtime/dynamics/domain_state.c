@@ -50,11 +50,6 @@ static size_t byte_of(const duet_motion *m, motion_buffer which)
     return at;
 }
 
-size_t domain_rest_at(const duet_motion *m)
-{
-    return byte_of(m, RESTS);
-}
-
 // An offset, in origin cells.
 void domain_centre(const duet_motion *m, const char *state, double at[3])
 {

@@ -149,7 +149,7 @@ static bool lock_block(host_block *h, const device *d, size_t size)
     return h->bytes;
 }
 
-// What was sent from a block, or is read into it, may be under way.
+// Waits for commands that send from a block or read into it.
 static void await_uses(const device devices[], int n_devices)
 {
     for (int i = 0; i < n_devices; ++i) {
