@@ -166,6 +166,7 @@ static void open_domains(moving *m, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         m->domains[k].number = (uint32_t)m->ranks->self * m->parts + k;
+        m->domains[k].reach = extent_none;
         m->domains[k].motion = moving_create(m, own);
     }
     ranks_end_turn(m->ranks);

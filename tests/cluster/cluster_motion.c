@@ -1258,6 +1258,25 @@ static void an_exchange_reads_what_travels(void)
     duet_cluster_destroy(cluster);
 }
 
+// A motion begins, or goes on from a file, with the ghosts that its next exchange would choose. The
+// scene's origin lies outside of one half, whose reach has nothing there.
+static void a_motion_begins_with_the_ghosts_that_it_needs(void)
+{
+    enum { N = 6000 };
+    for (uint32_t steps = 0; steps < 2; ++steps) {
+        const moving_scene s = {"falling", {{"n", "6000"}}, 1, steps, 0, steps};
+        duet_cluster *cluster = two_domains_after_steps("6000", 1, steps);
+        if (steps > 0)
+            save_and_resume(cluster, &s);
+        moving *m = cluster->moving;
+        const uint64_t at_first = m->halo.sent.items.n;
+        must(moving_settle(m, ERR));
+        MUST(at_first > 0 && at_first == m->halo.sent.items.n, "no ghost that is not needed");
+        MUST(at_first < N / 2, "most bodies are far from the border");
+        duet_cluster_destroy(cluster);
+    }
+}
+
 // Rows in new places, as their definition says.
 static void rows_are_spliced(uint64_t seed)
 {
@@ -1324,6 +1343,7 @@ int main(int argc, char **argv)
         bodies_near_extents_are_listed();
         rows_move_with_their_bodies();
         an_exchange_reads_what_travels();
+        a_motion_begins_with_the_ghosts_that_it_needs();
         rows_are_spliced(seed);
     }
     what_is_not_there_is_refused();
