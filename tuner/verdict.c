@@ -90,9 +90,8 @@ static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 // that it gains: the devices are of one kind, or launches waited for a core.
 static bool is_open(const tuning *t, const race_gain *gain)
 {
-    bool expected = t->problem->fair > 0 ||
-                    (t->problem->def->wait_seconds > 0 && t->disturbed > t->watched / 10);
-    return gain->verdict == RACE_SAME &&
+    bool expected = t->problem->fair > 0 || t->disturbed > t->watched / 10;
+    return t->problem->def->wait_seconds > 0 && gain->verdict == RACE_SAME &&
            fmax(gain->interval.high, 1 / gain->interval.low) > MOST_OF_SAME && expected;
 }
 

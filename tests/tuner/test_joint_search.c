@@ -409,22 +409,6 @@ TEST(equal_devices_get_the_kernels_that_are_best_while_both_work)
     }
 }
 
-// Nor does it wait for other programs here: the default plan of equal devices is the expected one.
-TEST(doubt_chooses_no_single_one_of_equal_devices)
-{
-    fake f = {.random = rng_seed(test_seed() + 8), .unit_ns = 1e7, .sigma = 0.8};
-    uint32_t open = 0;
-    for (int i = 0; i < 40; ++i) {
-        invent(&f);
-        f.slower = 1;
-        memcpy(f.factor[0], f.factor[1], sizeof f.factor[0]);
-        duet_tune_outcome o = tune_fake(&f, "balance");
-        open += strcmp(o.verdict, "ambiguous") == 0;
-        assert_true(strcmp(o.verdict, "same") != 0 || o.gain_high <= 0.1);
-    }
-    assert_true(open > 0);
-}
-
 // The plans of a search fit the budget, and what sharing loses is told, though no plan that shares
 // is among the best few.
 TEST(a_small_budget_is_enough_for_a_verdict_on_sharing)
