@@ -88,9 +88,8 @@ static duet_motion *make_whole(moving *m, const parcels *bodies, const parcels *
     if (!whole.motion)
         return NULL;
     moving_replace(m, &whole, own);
-    if (is_well(own) && domain_make_bounds(whole.motion, own) &&
-        domain_lay_rows(whole.motion, own) && m->n_commands > 0)
-        motion_alter_all(whole.motion);
+    if (is_well(own))
+        domain_lay_rows(whole.motion, own);
     free(whole.bodies.rows);
     free(whole.places);
     return whole.motion;

@@ -140,10 +140,12 @@ void domain_splice(const domain_bodies *b, void *rows, const void *fresh_rows, s
 bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 
-// Makes bounds of where bodies are, and rows of the contacts that they were replaced with, as if
-// the last step had made them: then two motions of the same bodies and contacts are saved as the
-// same bytes.
+// Makes the bounds that the next step has.
 bool domain_make_bounds(duet_motion *m, duet_error *err);
+
+// Makes rows of the contacts that bodies were replaced with: then two motions of the same bodies
+// and contacts are saved as the same bytes. Bodies that do not touch yet are in none of them,
+// within a skin neither, so the next step searches pairs.
 bool domain_lay_rows(duet_motion *m, duet_error *err);
 
 // Forgets what commands left behind if that is nothing.

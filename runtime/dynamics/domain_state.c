@@ -474,6 +474,7 @@ static bool lay_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
     free_rows(&r);
     m->graph.n_pairs = count_pairs(m, c);
     m->products = products_of_saved(true);
+    motion_alter_all(m);
     return ok;
 }
 

@@ -22,6 +22,7 @@
 #define EVENTS "cluster_motion_events.lua"
 #define FAR "cluster_motion_far.lua"
 #define APART "cluster_motion_apart.lua"
+#define BARE "cluster_motion_bare.lua"
 #define GIANT "cluster_motion_giant.lua"
 #define MESH "cluster_motion_mesh.lua"
 #define UNEQUAL "cluster_motion_unequal.lua"
@@ -562,6 +563,67 @@ static void checkpoints_know_no_ranks(void)
     MUST(go_on(1, 1, 30, three, NULL) == expected, "1 rank goes on from what 3 saved");
     job_remove(three);
     job_remove(one);
+}
+
+// The hash after so many more steps of one motion from a file, which rank 0 finds.
+static uint64_t go_on_alone(const moving_scene *s, const char *from)
+{
+    uint64_t hash = 0;
+    duet_motion_result result;
+    duet_device_pair_def pair_def = duet_default_device_pair_def();
+    duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
+    duet_scene *scene = must(duet_scene_load(s->path, s->settings, s->n_settings, ERR));
+    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    duet_motion *motion = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
+    must(duet_motion_load(motion, from, ERR));
+    for (uint32_t i = s->saved_at; i < s->steps; ++i)
+        must(duet_motion_advance(motion, &result, ERR));
+    must(duet_motion_get_hash(motion, &hash, ERR));
+    duet_motion_destroy(motion);
+    duet_scene_destroy(scene);
+    duet_device_pair_destroy(pair);
+    return hash;
+}
+
+// Saved on n ranks of so many parts, gone on with by one motion.
+static void must_go_on_alone(const moving_scene *s, uint64_t expected, int n, uint32_t parts)
+{
+    static const char file[] = "cluster_motion_alone.ck";
+    duet_cluster_motion_result result;
+    duet_cluster *c = begin_on(n, def_of(parts, 1), s);
+    for (uint32_t i = 0; c && i < s->saved_at; ++i)
+        must(duet_cluster_advance(c, &result, ERR));
+    must(!c || duet_cluster_save_motion(c, file, ERR));
+    duet_cluster_destroy(c);
+    if (rank == 0)
+        MUST(go_on_alone(s, file) == expected, "one motion goes on from what ranks saved");
+    job_remove(file);
+}
+
+// Bodies that did not touch when they were saved do later, within a skin and without one, and all
+// of a pile falls asleep.
+static void one_motion_goes_on_from_what_ranks_saved(void)
+{
+    static const int shapes[][2] = {{1, 1}, {2, 1}, {3, 1}, {1, 2}};
+    const moving_scene scenes[] = {{"falling", {{"n", "90"}}, 1, 40, 0, 15},
+                                   {"falling", {{"n", "30"}}, 1, 150, 0, 110},
+                                   {BARE, {{0}}, 0, 24, 0, 8}};
+    job_write(BARE,
+              "for i = 0, 59 do\n"
+              "  add { centre = { i % 4 + 0.1 * (i % 3), i // 4 % 4, 0.6 + 1.05 * (i // 16) },\n"
+              "        half_extents = { 0.5, 0.45, 0.4 } }\n"
+              "end\n"
+              "return {\n"
+              "  dims = 3, gravity = { 0, 0, -9.81 }, boundary = 'walls',\n"
+              "  world = { lower = { -1, -1, 0 }, upper = { 5, 5, 9 } },\n"
+              "  wants = { 'contact_response', 'sleep' },\n"
+              "}\n");
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i) {
+        const uint64_t expected = expected_hash(&scenes[i]);
+        for (size_t k = 0; k < sizeof shapes / sizeof *shapes; ++k)
+            must_go_on_alone(&scenes[i], expected, shapes[k][0], (uint32_t)shapes[k][1]);
+    }
+    job_remove(BARE);
 }
 
 // ---------------------------------------------------------------- failures
@@ -1349,6 +1411,7 @@ int main(int argc, char **argv)
     what_is_not_there_is_refused();
     a_carried_mesh_is_refused();
     checkpoints_know_no_ranks();
+    one_motion_goes_on_from_what_ranks_saved();
     borders_change_nothing(seed);
     colours_between_change_nothing(seed);
     borders_follow_bodies();

@@ -24,7 +24,7 @@
 #define SAYS "cluster.says"
 #define KEPT " --every 3 --checkpoint " SAVED " --resume " SAVED
 
-enum { KILLS = 2, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
+enum { SAVED_EVERY = 3, KILLS = 2, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
 
 // A job that has not ended by then hangs; a quiet machine is to see its end sooner.
 enum { HANGS_S = 60, SOON_S = 5 };
@@ -198,7 +198,7 @@ TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
                   slowest_s);
     get_hash(whole, hash, &steps);
     assert_string_equal(hash, right);
-    assert_true(steps == STEPS);
+    assert_true(steps <= STEPS && (STEPS - (int)steps) % SAVED_EVERY == 0); // from a checkpoint
     remove(SAVED);
     remove(SAYS);
 }
