@@ -40,8 +40,52 @@ static void list_ends(const waiting_list *known, end_list *list)
         if (c->other_moves)
             list_add(&list->list, &(waiting_end){c->other, i}, 1, sizeof(waiting_end));
     }
-    if (list->n > 0 && !list->failed)
-        qsort(list->ends, list->n, sizeof *list->ends, compare_uint32_pair);
+}
+
+// Items from one domain to another follow each other and ascend by ids (halo_settle).
+static uint64_t end_of_run(const halo_item *items, uint64_t first, uint64_t n)
+{
+    const halo_item *of = &items[first];
+    uint64_t low = first + 1;
+    while (low < n) {
+        const uint64_t middle = low + (n - low) / 2;
+        const halo_item *item = &items[middle];
+        if (item->rank == of->rank && item->to == of->to && item->from == of->from)
+            low = middle + 1;
+        else
+            n = middle;
+    }
+    return low;
+}
+
+static int compare_ids(const void *left, const void *right)
+{
+    const halo_item *a = left, *b = right;
+    return compare_uint32(&a->id, &b->id);
+}
+
+// Looks ends up among the ghosts that one domain has of another: these are many more.
+static void tell_run(const waiting_list *known, const end_list *ends, const halo_item *items,
+                     uint64_t n, told_list *told)
+{
+    for (uint64_t k = 0; k < ends->n; ++k) {
+        const waiting_contact *c = &known->contacts[ends->ends[k].contact];
+        const waiting_told one = {items->rank, c->owner, c->other};
+        const halo_item key = {.id = ends->ends[k].id};
+        if (bsearch(&key, items, n, sizeof *items, compare_ids))
+            list_add(&told->list, &one, 1, sizeof one);
+    }
+}
+
+static void sort_told(told_list *told)
+{
+    uint64_t kept = 0;
+    if (told->n > 0)
+        qsort(told->rows, told->n, sizeof *told->rows, compare_told);
+    for (uint64_t i = 0; i < told->n; ++i)
+        if (kept == 0 || compare_told(&told->rows[kept - 1], &told->rows[i]) != 0)
+            told->rows[kept++] = told->rows[i];
+    told->n = kept;
 }
 
 // The ranks that have an end as a ghost; each contact once.
@@ -49,21 +93,14 @@ static void list_told(const moving *m, const waiting_list *known, const end_list
                       told_list *told)
 {
     const halo_item *sent = m->halo.sent.items.items;
-    uint64_t kept = 0;
-    for (uint64_t i = 0; ends->n > 0 && i < m->halo.sent.items.n; ++i)
-        for (uint64_t k = list_find(&ends->list, sizeof *ends->ends, &sent[i].id, compare_uint32);
-             k < ends->n && ends->ends[k].id == sent[i].id; ++k) {
-            const waiting_contact *c = &known->contacts[ends->ends[k].contact];
-            const waiting_told one = {sent[i].rank, c->owner, c->other};
-            if (sent[i].rank != (uint32_t)m->ranks->self)
-                list_add(&told->list, &one, 1, sizeof one);
-        }
-    if (told->n > 0 && !told->failed)
-        qsort(told->rows, told->n, sizeof *told->rows, compare_told);
-    for (uint64_t i = 0; !told->failed && i < told->n; ++i)
-        if (kept == 0 || compare_told(&told->rows[kept - 1], &told->rows[i]) != 0)
-            told->rows[kept++] = told->rows[i];
-    told->n = told->failed ? told->n : kept;
+    const uint64_t n = m->halo.sent.items.n;
+    for (uint64_t from = 0, to; from < n; from = to) {
+        to = end_of_run(sent, from, n);
+        if (sent[from].rank != (uint32_t)m->ranks->self)
+            tell_run(known, ends, sent + from, to - from, told);
+    }
+    if (!told->failed)
+        sort_told(told);
 }
 
 static void choose_told(const moving *m, const waiting_list *known, told_list *told,
