@@ -386,6 +386,31 @@ TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
     assert_true(kept[0] <= 45 && kept[1] <= 45);
 }
 
+// Short launches that tell the same each time count as often as long ones do; others more often.
+TEST(short_launches_count_more_often_only_if_they_scatter)
+{
+    enum { TIMES = 20 };
+    static const struct {
+        double unit_ns, sigma;
+    } cases[] = {{1e7, 0.01}, {1e6, 0.01}, {1e6, 0.2}};
+    double a_trial[3] = {0}; // launches
+    for (int k = 0; k < 3; ++k) {
+        fake f = {.random = rng_seed(test_seed() + 9),
+                  .unit_ns = cases[k].unit_ns,
+                  .sigma = cases[k].sigma,
+                  .repeats = 3};
+        for (int i = 0; i < TIMES; ++i) {
+            invent(&f);
+            duet_tune_outcome o = tune_fake(&f, "balance");
+            a_trial[k] += (double)o.launches / o.trials / TIMES;
+        }
+    }
+    print_message("launches a trial: long %.1f, steady %.1f, scattering %.1f\n", a_trial[0],
+                  a_trial[1], a_trial[2]);
+    assert_true(a_trial[1] < 1.2 * a_trial[0]);
+    assert_true(a_trial[2] > 1.5 * a_trial[0]);
+}
+
 // Two devices of one kind share a half each, and what is best for one that works alone may not be
 // while both work: on what they have in common, such as the way to memory.
 TEST(equal_devices_get_the_kernels_that_are_best_while_both_work)
