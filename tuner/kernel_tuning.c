@@ -132,12 +132,13 @@ static focus focus_on(const tuning *t, int device)
 }
 
 // A device's first launch, and if it is short how far single ones scatter, which only the first
-// trial warms up. Returns false if the plan does not run.
+// trial warms up. Waiting for a core is no scatter of theirs: more launches would wait as well.
+// Returns false if the plan does not run.
 static bool launch_first(tuning *t, int device, const duet_plan *plan)
 {
-    enum { LAUNCHES = 5 };
+    enum { LAUNCHES = 5, ENOUGH = 4 };
     double ns[LAUNCHES];
-    uint32_t n = 0;
+    uint32_t n = 0, trials = 0;
     t->focus = focus_on(t, device);
     t->repeats = 1;
     t->scatter = INFINITY;
@@ -145,10 +146,13 @@ static bool launch_first(tuning *t, int device, const duet_plan *plan)
         trial got = tuning_run_trial(t, plan);
         if (!got.usable)
             return false;
-        ns[n++] = (double)got.focus_ns;
-    } while (n < LAUNCHES && tuning_count_launches(t, 1) > 1);
-    if (n == LAUNCHES)
+        if (got.disturbed == 0)
+            ns[n++] = (double)got.focus_ns;
+    } while (++trials < LAUNCHES && tuning_count_launches(t, 1) > 1);
+    if (n >= ENOUGH)
         t->scatter = MAD_DEVIATION * stats_mad(ns, n) / fmax(stats_median(ns, n), 1);
+    else if (trials == LAUNCHES)
+        t->scatter = 0;
     return true;
 }
 
