@@ -10,10 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { FEW = 16 }; // configs of a kernel
+
 static const double BEHIND = 1.07;          // in times of the fastest
 static const double TRIALS_A_VALUE = 2.6;   // trials per value of a parameter, on invented kernels
 static const double MAD_DEVIATION = 1.4826; // of normal noise
 static const double WORTH_SEARCH = 0.03;    // a kernel that takes so much of its device's time
+static const double WORTH_ALL = 0.5;        // and one whose few configs are all tried
 
 // No race of so few rounds is 99 % sure of a gain of a tenth if times scatter by as much. A wrong
 // choice costs no more than a right one gains, and both single devices are measured with it.
@@ -83,16 +86,18 @@ static void screen_configs(tuning *t, const field *f, double best_ns,
     launch_configs(t, f, out, times);
 }
 
-// Whether the kernel takes enough of its device's time for a search to pay.
-static bool is_worth_search(tuning *t, const duet_plan *plan, int device, double *kernel_ns)
+// Whether the kernel takes enough of its device's time for a search to pay; of one that takes most
+// of it, all of few configs are tried.
+static bool is_worth_search(tuning *t, const duet_plan *plan, int device, kernel_search *s)
 {
     trial got = tuning_run_trial(t, plan);
     // B does more of a motion than the search that it shares.
     double whole = (double)(device == 0              ? got.sample.a_ns
                             : t->problem->def->steps ? got.sample.total_ns
                                                      : got.sample.b_ns);
-    *kernel_ns = (double)got.focus_ns;
-    return got.usable && *kernel_ns > WORTH_SEARCH * whole;
+    s->best_ns = (double)got.focus_ns;
+    s->few = s->best_ns > WORTH_ALL * whole ? FEW : 0;
+    return got.usable && s->best_ns > WORTH_SEARCH * whole;
 }
 
 // Varies the plan's kernel for a device, and keeps in the plan what was fastest.
@@ -102,7 +107,7 @@ static void search_kernel(tuning *t, int device, const kernel_space *space, duet
     double times[KERNEL_SPACE_VALUES];
     kernel_search s = kernel_search_begin(space);
     t->focus = (focus){device, space->stages, KERNEL_SPACE_STAGES};
-    if (!is_worth_search(t, plan, device, &s.best_ns))
+    if (!is_worth_search(t, plan, device, &s))
         return;
     while (tuning_goes_on(t) && (n = kernel_search_next(&s, configs)) > 0) {
         field f = {0};
