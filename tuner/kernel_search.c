@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-enum { FEW = 16 }; // configs, of which each is tried
-
 static const double BEHIND = 1.07; // in times of the fastest
 static const double AHEAD = 1.02;  // a value must gain this much: between equal values noise would
                                    // choose, and the next parameter's best may not suit them
@@ -60,7 +58,7 @@ static uint32_t list_left(kernel_search *s, uint32_t configs[KERNEL_SPACE_VALUES
 {
     uint32_t n = 1;
     configs[0] = s->best;
-    for (uint32_t i = 0; s->space->n_configs <= FEW && i < s->space->n_configs; ++i) {
+    for (uint32_t i = 0; s->space->n_configs <= s->few && i < s->space->n_configs; ++i) {
         if (s->seen[i] || n == KERNEL_SPACE_VALUES)
             continue;
         s->seen[i] = true;

@@ -18,6 +18,7 @@ typedef struct kernel_search {
     uint32_t param; // to be varied next
     uint32_t idle;  // parameters in a row that brought nothing new to try
     uint32_t tried; // configs, the one at the start counted
+    uint32_t few;   // configs, of which each is tried in the end; 0: never
     bool seen[KERNEL_SPACE_CONFIGS];
     bool behind[KERNEL_SPACE_PARAMS][KERNEL_SPACE_VALUES];
 } kernel_search;

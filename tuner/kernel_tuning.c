@@ -3,15 +3,20 @@
 #include "tuner/field.h"
 #include "tuner/kernel_search.h"
 #include "tuner/stages.h"
+#include "tuner/stats.h"
 #include "tuner/trial_budget.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const double BEHIND = 1.07;        // in times of the fastest
-static const double TRIALS_A_VALUE = 2.6; // trials per value of a parameter, on invented kernels
-static const double WORTH_SEARCH = 0.03;  // a kernel that takes so much of its device's time
+enum { FEW = 16 }; // configs of a kernel
+
+static const double BEHIND = 1.07;          // in times of the fastest
+static const double TRIALS_A_VALUE = 2.6;   // trials per value of a parameter, on invented kernels
+static const double MAD_DEVIATION = 1.4826; // of normal noise
+static const double WORTH_SEARCH = 0.03;    // a kernel that takes so much of its device's time
+static const double WORTH_ALL = 0.5;        // and one whose few configs are all tried
 
 // No race of so few rounds is 99 % sure of a gain of a tenth if times scatter by as much. A wrong
 // choice costs no more than a right one gains, and both single devices are measured with it.
@@ -81,16 +86,18 @@ static void screen_configs(tuning *t, const field *f, double best_ns,
     launch_configs(t, f, out, times);
 }
 
-// Whether the kernel takes enough of its device's time for a search to pay.
-static bool is_worth_search(tuning *t, const duet_plan *plan, int device, double *kernel_ns)
+// Whether the kernel takes enough of its device's time for a search to pay; of one that takes most
+// of it, all of few configs are tried.
+static bool is_worth_search(tuning *t, const duet_plan *plan, int device, kernel_search *s)
 {
     trial got = tuning_run_trial(t, plan);
     // B does more of a motion than the search that it shares.
     double whole = (double)(device == 0              ? got.sample.a_ns
                             : t->problem->def->steps ? got.sample.total_ns
                                                      : got.sample.b_ns);
-    *kernel_ns = (double)got.focus_ns;
-    return got.usable && *kernel_ns > WORTH_SEARCH * whole;
+    s->best_ns = (double)got.focus_ns;
+    s->few = s->best_ns > WORTH_ALL * whole ? FEW : 0;
+    return got.usable && s->best_ns > WORTH_SEARCH * whole;
 }
 
 // Varies the plan's kernel for a device, and keeps in the plan what was fastest.
@@ -100,7 +107,7 @@ static void search_kernel(tuning *t, int device, const kernel_space *space, duet
     double times[KERNEL_SPACE_VALUES];
     kernel_search s = kernel_search_begin(space);
     t->focus = (focus){device, space->stages, KERNEL_SPACE_STAGES};
-    if (!is_worth_search(t, plan, device, &s.best_ns))
+    if (!is_worth_search(t, plan, device, &s))
         return;
     while (tuning_goes_on(t) && (n = kernel_search_next(&s, configs)) > 0) {
         field f = {0};
@@ -113,9 +120,8 @@ static void search_kernel(tuning *t, int device, const kernel_space *space, duet
     kernel_space_write(space, s.best, device == 0 ? plan->variant_a : plan->variant_b);
 }
 
-// Races what was found against what was there, by all kernels of the device. Only what is mostly
-// faster is used.
-static void confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after)
+// The stages of all the device's kernels.
+static focus focus_on(const tuning *t, int device)
 {
     static const char *const stages[] = {
         "search", "candidates", "narrow",     "reorder", "bounds",
@@ -126,8 +132,40 @@ static void confirm_kernels(tuning *t, int device, const duet_plan *before, cons
         "pairs",         "integrate",      "manifolds", "sleep", "solve_contacts", "graph_colour",
         "contact_graph", "match_contacts", "fat_aabbs", "grid",  "events"};
     bool moves = device == 1 && t->problem->def->steps;
-    t->focus = moves ? (focus){device, of_motion, sizeof of_motion / sizeof *of_motion}
-                     : (focus){device, stages, sizeof stages / sizeof *stages};
+    return moves ? (focus){device, of_motion, sizeof of_motion / sizeof *of_motion}
+                 : (focus){device, stages, sizeof stages / sizeof *stages};
+}
+
+// A device's first launch, and if it is short how far single ones scatter, which only the first
+// trial warms up. Waiting for a core is no scatter of theirs: more launches would wait as well.
+// Returns false if the plan does not run.
+static bool launch_first(tuning *t, int device, const duet_plan *plan)
+{
+    enum { LAUNCHES = 5, ENOUGH = 4 };
+    double ns[LAUNCHES];
+    uint32_t n = 0, trials = 0;
+    t->focus = focus_on(t, device);
+    t->repeats = 1;
+    t->scatter = INFINITY;
+    do {
+        trial got = tuning_run_trial(t, plan);
+        if (!got.usable)
+            return false;
+        if (got.disturbed == 0)
+            ns[n++] = (double)got.focus_ns;
+    } while (++trials < LAUNCHES && tuning_count_launches(t, 1) > 1);
+    if (n >= ENOUGH)
+        t->scatter = MAD_DEVIATION * stats_mad(ns, n) / fmax(stats_median(ns, n), 1);
+    else if (trials == LAUNCHES)
+        t->scatter = 0;
+    return true;
+}
+
+// Races what was found against what was there, by all kernels of the device. Only what is mostly
+// faster is used.
+static void confirm_kernels(tuning *t, int device, const duet_plan *before, const duet_plan *after)
+{
+    t->focus = focus_on(t, device);
     race_gain gain = trial_log_same_plan(before, after)
                          ? race_no_gain(RACE_SAME)
                          : field_duel(t, before, after, &confirmation);
@@ -173,8 +211,7 @@ static void search_device(tuning *t, int device, uint32_t share)
     kernel_spaces spaces = {0};
     uint32_t launches = t->launches, begun = t->state->played;
     duet_plan before = tuning_plan(t, share, DUET_MODE_OWN), after = before;
-    t->repeats = 1;
-    bool usable = tuning_run_trial(t, &before).usable;
+    bool usable = launch_first(t, device, &before);
     t->found |= !usable; // the verdict tells why
     t->repeats = tuning_count_launches(t, 1);
     if (usable)

@@ -69,6 +69,7 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
                 .outcome = outcome,
                 .plan = problem->plan,
                 .repeats = problem->def->repeats,
+                .scatter = INFINITY,
                 .search_trials = problem->def->search ? UINT32_MAX : 0};
     state->played = 0;
     *outcome = nothing_known(&t);

@@ -31,8 +31,10 @@ bool tuning_goes_on(const tuning *t)
 uint32_t tuning_count_launches(const tuning *t, uint32_t usual)
 {
     enum { MOST = 8 };
-    static const double enough_ns = 5e6;
+    static const double enough_ns = 5e6, steady = 0.05;
     uint32_t played = t->state->played;
+    if (t->scatter <= steady)
+        return usual;
     double ns = played > 0 ? (double)t->state->entries[played - 1].sample.total_ns : enough_ns;
     return (uint32_t)fmax(fmin(ceil(enough_ns / fmax(ns, 1)), MOST), usual);
 }

@@ -36,6 +36,7 @@ typedef struct tuning {
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
+    double scatter;   // deviation of a launch, as part of it; INFINITY: not known
     uint32_t first;   // trial that this process measured
     focus focus;
     duet_plan plan; // the variants chosen so far
@@ -64,7 +65,7 @@ bool tuning_goes_on(const tuning *t);
 trial tuning_run_trial(tuning *t, const duet_plan *plan);
 
 // How many launches of a trial are to count, by what the last trial's took: the usual number, or
-// more if they are short, which scatter most and cost least.
+// more if they scatter and are short, which cost least.
 uint32_t tuning_count_launches(const tuning *t, uint32_t usual);
 
 // The same on any machine, without the log: a resumed tuning runs it again.

@@ -22,6 +22,7 @@ typedef struct fake {
     double slower;
     double sigma;
     double unit_ns; // of a launch that takes 1
+    bool waits;     // each launch for a core
     rng random;
     uint32_t launches, stop_after;
     uint32_t most_trials; // 0: any number
@@ -125,6 +126,7 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     uint32_t a = read_config(f, plan->variant_a), b = read_config(f, plan->variant_b);
     (void)err;
     ++f->launches;
+    launch->use.disturbed = f->waits;
     launch->a_ns = share > 0 ? (int64_t)(f->unit_ns * noisy(f, part_of_a(f, share, a))) : 0;
     launch->b_ns = share < 1 ? (int64_t)(f->unit_ns * noisy(f, part_of_b(f, share, b))) : 0;
     launch->total_ns = (int64_t)(f->unit_ns * noisy(f, time_of(f, share, a, b)));
@@ -384,6 +386,35 @@ TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
     print_message("another set than the best, of %d: %u times on A, %u on B\n", TIMES, kept[0],
                   kept[1]);
     assert_true(kept[0] <= 45 && kept[1] <= 45);
+}
+
+// Short launches that tell the same each time, or that other programs disturb, count as often as
+// long ones do; others more often.
+TEST(short_launches_count_more_often_only_if_they_scatter)
+{
+    enum { TIMES = 20 };
+    static const struct {
+        double unit_ns, sigma;
+        bool waits; // for a core
+    } cases[] = {{1e7, 0.01, false}, {1e6, 0.01, false}, {1e6, 0.2, false}, {1e6, 0.2, true}};
+    double a_trial[4] = {0}; // launches
+    for (int k = 0; k < 4; ++k) {
+        fake f = {.random = rng_seed(test_seed() + 9),
+                  .unit_ns = cases[k].unit_ns,
+                  .sigma = cases[k].sigma,
+                  .waits = cases[k].waits,
+                  .repeats = 3};
+        for (int i = 0; i < TIMES; ++i) {
+            invent(&f);
+            duet_tune_outcome o = tune_fake(&f, "balance");
+            a_trial[k] += (double)o.launches / o.trials / TIMES;
+        }
+    }
+    print_message(
+        "launches a trial: long %.1f, steady %.1f, scattering %.1f, waiting for a core %.1f\n",
+        a_trial[0], a_trial[1], a_trial[2], a_trial[3]);
+    assert_true(a_trial[1] < 1.2 * a_trial[0] && a_trial[3] < 1.2 * a_trial[0]);
+    assert_true(a_trial[2] > 1.5 * a_trial[0]);
 }
 
 // Two devices of one kind share a half each, and what is best for one that works alone may not be

@@ -242,6 +242,30 @@ TEST(a_value_far_behind_beside_one_other_may_be_the_best_beside_another)
     assert_true(near >= TIMES * 95 / 100);
 }
 
+// A kernel that takes a small part of a step has little to gain by a better one that differs in
+// all.
+TEST(all_of_few_sets_are_tried_only_of_a_kernel_that_takes_most_of_the_time)
+{
+    static const double parts[] = {1, 0.1}; // of the kernel's usual time
+    fake f = {.random = rng_seed(test_seed() + 2), .sigma = 0.01};
+    duet_tune_def def = fake_def(&f);
+    for (int k = 0; k < 2; ++k) {
+        uint32_t tried = 0, all = 0;
+        for (int i = 0; i < 50; ++i) {
+            trial_log log = {0};
+            invent_products(&f);
+            for (uint32_t v = 0; v < KERNEL_SPACE_VALUES; ++v)
+                f.factor[0][v] *= parts[k];
+            duet_tune_outcome o = tune_fake(&f, &def, &log);
+            tried += o.kernels[1].tried;
+            all += f.space.n_configs;
+            trial_log_free(&log);
+        }
+        print_message("%u of %u tried\n", tried, all);
+        assert_int_equal(tried == all, k == 0);
+    }
+}
+
 // A search of all configs would launch each of them seven times.
 TEST(a_search_comes_near_the_best_in_few_launches)
 {
