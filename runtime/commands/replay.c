@@ -162,7 +162,7 @@ static bool copy_record(const recorded *record, const char *from, const duet_mot
     r->rows = copy_of(&from, record->n * each.row);
     r->bodies = each.body > 0 ? bodies_of(from, record->n) : NULL;
     r->c = (command){.op = op,
-                     .list = {.ids = r->ids, .n = record->n},
+                     .list = {.ids = each.ids > 0 ? r->ids : NULL, .n = record->n},
                      .fields = record->fields,
                      .rows = each.row > 0 ? r->rows : r->bodies,
                      .new_bodies = r->bodies};
