@@ -24,6 +24,7 @@ enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 
 #define STOP_NS 1000000000u  // given to ranks that are asked to stop
 #define GRACE_NS 5000000000u // between a signal that asks and one that does not
+#define STUCK_NS 3000000000u // given to mpirun to notice that all that it started has ended
 
 typedef struct job {
     const mpirun_job *what;
@@ -35,6 +36,7 @@ typedef struct job {
     uint64_t start_ns; // by when ranks are to have begun; 0: there is no limit
     uint64_t stop_ns;  // when ranks were asked to stop; 0: not
     uint64_t asked_ns; // when it was asked to end; 0: not
+    uint64_t alone_ns; // since when all that it started has ended; 0: not so
     unsigned long patience_s;
 } job;
 
@@ -146,6 +148,50 @@ static void ask_to_end(job *j)
     }
 }
 
+// The children of a process, to be closed; NULL: it has ended.
+static FILE *children_of(pid_t process)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)process, (long)process);
+    return fopen(path, "r");
+}
+
+static bool is_zombie(long process)
+{
+    char path[64], state = 0;
+    snprintf(path, sizeof path, "/proc/%ld/stat", process);
+    FILE *stat = fopen(path, "r");
+    bool read = stat && fscanf(stat, "%*d (%*[^)]) %c", &state) == 1;
+    if (stat)
+        fclose(stat);
+    return read && state == 'Z';
+}
+
+// Whether it has children, and all of them ended and wait for it to notice.
+static bool has_only_zombies(pid_t process)
+{
+    long child;
+    int living = 0, dead = 0;
+    FILE *children = children_of(process);
+    while (children && fscanf(children, "%ld", &child) == 1)
+        ++*(is_zombie(child) ? &dead : &living);
+    if (children)
+        fclose(children);
+    return dead > 0 && living == 0;
+}
+
+// Open MPI 4.1 can wait for a lock of its own for ever, once a rank was killed.
+static void end_if_stuck(job *j)
+{
+    uint64_t now = clock_steady_ns();
+    const bool alone = has_only_zombies(j->mpirun);
+    const bool late = j->alone_ns > 0 && now - j->alone_ns > STUCK_NS; // from then on
+    if (alone && late)
+        kill(j->mpirun, SIGKILL);
+    else if (!late && alone != (j->alone_ns > 0))
+        j->alone_ns = alone ? now : 0;
+}
+
 static bool wait_for(job *j)
 {
     pid_t ended;
@@ -153,6 +199,7 @@ static bool wait_for(job *j)
         relay(j, PAUSE_MS);
         ask_to_stop(j);
         ask_to_end(j);
+        end_if_stuck(j);
     }
     while (relay(j, 0))
         continue;
@@ -162,10 +209,8 @@ static bool wait_for(job *j)
 // Ends processes that mpirun has left, as an ssh that hangs: they are this process's since then.
 static void end_rest(void)
 {
-    char path[64];
     long child;
-    snprintf(path, sizeof path, "/proc/self/task/%ld/children", (long)getpid());
-    FILE *children = fopen(path, "r");
+    FILE *children = children_of(getpid());
     while (children && fscanf(children, "%ld", &child) == 1)
         kill((pid_t)child, SIGTERM);
     if (children)
@@ -212,6 +257,10 @@ static bool explain(const job *j, int *status, duet_error *err)
                          "the ranks on %s have not begun within %lu s; expected machines that ssh "
                          "reaches, and that reach this one",
                          j->what->hosts, j->patience_s);
+    if (WIFSIGNALED(j->status) && j->alone_ns > 0)
+        return error_set(err, DUET_STATUS_IO_FAILED,
+                         "the ranks have ended, and mpirun did not: it was ended after %u s",
+                         (unsigned)(STUCK_NS / 1000000000u));
     if (WIFSIGNALED(j->status))
         return error_set(err, DUET_STATUS_IO_FAILED, "mpirun was ended by signal %d (%s)",
                          WTERMSIG(j->status), strsignal(WTERMSIG(j->status)));
