@@ -171,13 +171,15 @@ static bool is_zombie(long process)
 static bool has_only_zombies(pid_t process)
 {
     long child;
-    int living = 0, dead = 0;
+    bool found = false, lives = false;
     FILE *children = children_of(process);
-    while (children && fscanf(children, "%ld", &child) == 1)
-        ++*(is_zombie(child) ? &dead : &living);
+    while (children && !lives && fscanf(children, "%ld", &child) == 1) {
+        lives = !is_zombie(child);
+        found = true;
+    }
     if (children)
         fclose(children);
-    return dead > 0 && living == 0;
+    return found && !lives;
 }
 
 // Open MPI 4.1 can wait for a lock of its own for ever, once a rank was killed.
