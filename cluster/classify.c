@@ -223,8 +223,8 @@ bool classify(classes *c, owned *o)
         parallel_each(o->threads, o->rows.n, classify_rows, &j);
     for (int i = 0; i < PARALLEL_MOST; ++i)
         add_part(c, o, &c->parts[i]);
-    if (j.blocks && !c->leavers.failed && c->leavers.n > 0)
-        qsort(c->leavers.rows, c->leavers.n, sizeof *c->leavers.rows, compare_uint32);
+    if (j.blocks)
+        row_list_sort(&c->leavers);
     o->around = around_all(o, &c->deep.centres);
     return !c->leavers.failed && !o->boundary.failed && !o->runs.failed;
 }

@@ -3,6 +3,8 @@
 #ifndef CLUSTER_LIST_H
 #define CLUSTER_LIST_H
 
+#include "base/compare.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -46,6 +48,13 @@ static inline void list_add(item_list *l, const void *items, uint64_t n, size_t 
 static inline void row_list_add(row_list *l, uint32_t row)
 {
     list_add(&l->list, &row, 1, sizeof row);
+}
+
+// They ascend.
+static inline void row_list_sort(row_list *l)
+{
+    if (l->n > 0 && !l->failed)
+        qsort(l->rows, l->n, sizeof *l->rows, compare_uint32);
 }
 
 static inline void list_append(item_list *l, const item_list *more, size_t bytes)

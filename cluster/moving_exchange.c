@@ -122,8 +122,7 @@ static void choose_staying(const moving_domain *d, const domain_near *near, uint
     for (uint32_t i = 0; i < n; ++i)
         if (!bsearch(&near[i].place, d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32))
             row_list_add(places, near[i].place);
-    if (places->n > 0 && !places->failed)
-        qsort(places->rows, places->n, sizeof *places->rows, compare_uint32);
+    row_list_sort(places);
 }
 
 static void list_staying(const moving *m, const moving_domain *d, row_list *places, duet_error *own)

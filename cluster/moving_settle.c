@@ -121,8 +121,7 @@ static void list_near_home(const moving *m, moving_domain *d, row_list *places, 
     if (is_well(own) && make_far_boxes(m, d, &home, &near, &n, own))
         for (uint32_t i = 0; i < n; ++i)
             row_list_add(places, near[i].place);
-    if (places->n > 0 && !places->failed)
-        qsort(places->rows, places->n, sizeof *places->rows, compare_uint32);
+    row_list_sort(places);
     free(near);
 }
 
@@ -132,8 +131,7 @@ static void add_ghosts(const moving *m, moving_domain *d)
     for (uint64_t i = 0; i < m->halo.received.items.n; ++i)
         if (&m->domains[ghosts[i].domain] == d)
             row_list_add(&d->gone, ghosts[i].place);
-    if (d->gone.n > 0 && !d->gone.failed)
-        qsort(d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32);
+    row_list_sort(&d->gone);
 }
 
 // Own bodies go to the domain that they are to be own ones of, or stay.
