@@ -146,13 +146,15 @@ static void part_with(moving *m, moving_domain *d, const row_list *places, const
         b->next = row->domain;
         if (!moving_is_own(d, b))
             continue;
-        if (b->next != d->number)
-            list_add(out, row, 1, m->traveller_bytes);
-        else if (all)
-            list_add(&d->came, row, 1, m->traveller_bytes);
-        else if (b->acts)
-            extent_join(&d->reach, &box);
-        if (!all && b->next != d->number)
+        if (b->next == d->number) {
+            if (all)
+                list_add(&d->came, row, 1, m->traveller_bytes);
+            else if (b->acts)
+                extent_join(&d->reach, &box);
+            continue;
+        }
+        list_add(out, row, 1, m->traveller_bytes);
+        if (!all)
             row_list_add(&d->gone, places->rows[i]);
     }
 }
