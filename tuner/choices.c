@@ -50,10 +50,14 @@ const char *plan_variant(const duet_plan *plan, int device)
     return device == 0 ? plan->variant_a : plan->variant_b;
 }
 
+char *plan_variant_of(duet_plan *plan, int device)
+{
+    return device == 0 ? plan->variant_a : plan->variant_b;
+}
+
 void plan_set_variant(duet_plan *plan, int device, const char *variant)
 {
-    char *to = device == 0 ? plan->variant_a : plan->variant_b;
-    snprintf(to, sizeof plan->variant_a, "%s", variant);
+    snprintf(plan_variant_of(plan, device), sizeof plan->variant_a, "%s", variant);
 }
 
 void plan_set_variants(duet_plan *plan, const char *variant)

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "tuner/kernel_search.h"
+#include "tuner/tune.h"
 
 bool joint_space_add(joint_space *s, int device, const kernel_space *kernel, duet_error *err)
 {
@@ -161,6 +162,6 @@ bool joint_space_plan(const joint_space *s, const search_sample *p, duet_plan *p
     bool fits = true;
     for (uint32_t i = 0; fits && i < s->kernels.n; ++i)
         fits = kernel_space_write(&s->kernels.of[i], p->configs[i],
-                                  device_of(s, i) == 0 ? plan->variant_a : plan->variant_b);
+                                  plan_variant_of(plan, device_of(s, i)));
     return fits;
 }

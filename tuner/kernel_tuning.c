@@ -30,8 +30,7 @@ static uint32_t enter_configs(const duet_plan *plan, int device, const kernel_sp
     uint32_t kept = 0;
     for (uint32_t i = 0; i < n; ++i) {
         duet_plan with = *plan;
-        char *to = device == 0 ? with.variant_a : with.variant_b;
-        if (!kernel_space_write(space, configs[i], to))
+        if (!kernel_space_write(space, configs[i], plan_variant_of(&with, device)))
             continue;
         field_enter(f, with);
         configs[kept++] = configs[i];
@@ -117,7 +116,7 @@ static void search_kernel(tuning *t, int device, const kernel_space *space, duet
     }
     t->outcome->kernels[device].configs += space->n_configs;
     t->outcome->kernels[device].tried += s.tried;
-    kernel_space_write(space, s.best, device == 0 ? plan->variant_a : plan->variant_b);
+    kernel_space_write(space, s.best, plan_variant_of(plan, device));
 }
 
 // The stages of all the device's kernels.

@@ -52,6 +52,7 @@ uint32_t tune_least_share(uint64_t n);
 
 // A plan's variant by device; A is 0.
 const char *plan_variant(const duet_plan *plan, int device);
+char *plan_variant_of(duet_plan *plan, int device); // [DUET_VARIANT], to be written
 void plan_set_variant(duet_plan *plan, int device, const char *variant);
 void plan_set_variants(duet_plan *plan, const char *variant); // both
 
