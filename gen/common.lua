@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- Parameters that many cards have: in a card's params, common.NAME stands for a table.
+-- Parameters that many cards have: in a card's params, common.NAME stands for a table; in its args for text.
 
 -- A default: one for a CPU, another for other devices.
 local function by_device(cpu, other)
@@ -71,6 +71,17 @@ common = {
   GROUP = function(other)
     return { "WG", values = { 1, 64, 128 }, default = by_device(1, other), about = "work-items a group" }
   end,
+  -- Arguments: what of bodies and of the ground a contact's surface comes from.
+  SURFACES = [[
+    const float *restitutions
+    const float *frictions  if FRICTION == 1
+    const uint *materials   if MATERIALS == 1
+    const float *material_rules  if MATERIALS == 1
+    float4 ground_surface   only if GROUND_MATERIAL == 1
+    const float *rolling_resistances  if ROLLING == 1
+    const float4 *halves    if ROLLING == 1
+    const float4 *surface_velocities  if CONVEYS == 1
+]],
   -- Whether the device, and positions as they are kept, allow a state in double.
   can_double = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end

@@ -165,7 +165,8 @@ static uint32_t count_samples(const strategy *of, const joint_space *space)
     return n / 10 < LEAST ? LEAST : n / 10 > MOST ? MOST : (uint32_t)(n / 10);
 }
 
-// As many as leave enough of a budget in trials for the race of the best few; half of it at least.
+// Returns as many as leave enough of a budget in trials for the race of the best few; half of it at
+// least.
 static uint32_t count_affordable(const tuning *t, uint32_t n)
 {
     double left = trial_budget_end(t->problem, SEARCH_END) - t->state->played;

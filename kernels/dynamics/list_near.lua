@@ -1,4 +1,14 @@
 -- SPDX-License-Identifier: MIT
+-- How many bodies there are, and how they are told.
+local told = [[
+  uint n
+  const uint2 *places
+  const float *extents
+  uint n_extents
+  uint near_capacity
+  volatile uint *near
+]]
+
 return {
   about = "bodies of a domain that are near its borders, or leave it",
   uses = { "dynamics/border.h", "dynamics/place_kind.clh" },
@@ -7,22 +17,10 @@ return {
   args = {
     list_near = [[
       const float *boxes
-      uint n
-      const uint2 *places
-      const float *extents
-      uint n_extents
-      uint near_capacity
-      volatile uint *near
-    ]],
+    ]] .. told,
     list_meeting = [[
       const float *far_boxes
-      uint n
-      const uint2 *places
-      const float *extents
-      uint n_extents
-      uint near_capacity
-      volatile uint *near
-    ]],
+    ]] .. told,
     make_far_boxes = [[
       const float *boxes
       const real4 *velocities

@@ -1,9 +1,10 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "all of a step's solving: by a team of a CPU's groups, a GPU's that meet, or of few bodies and contacts by one",
-  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/materials.h", "dynamics/contact.clh", "dynamics/constraint.clh",
-    "dynamics/float_vector.clh", "dynamics/turn.clh", "dynamics/listed.clh", "dynamics/accelerate.clh",
-    "dynamics/move_bodies.clh", "dynamics/team.clh", "dynamics/colour_parts.clh", "dynamics/meet.clh", "dynamics/sweep_parts.clh", "dynamics/prepare_constraint.clh",
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/materials.h", "dynamics/contact.clh",
+    "dynamics/constraint.clh", "dynamics/float_vector.clh", "dynamics/turn.clh", "dynamics/listed.clh",
+    "dynamics/accelerate.clh", "dynamics/move_bodies.clh", "dynamics/team.clh", "dynamics/colour_parts.clh",
+    "dynamics/meet.clh", "dynamics/sweep_parts.clh", "dynamics/prepare_constraint.clh",
     "dynamics/solve_constraint.clh", "dynamics/restitution.clh", "dynamics/restore_speeds.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURNS, common.GYRO, common.GRAVITY, common.DRAG, common.FORCES, common.SLEEP,
@@ -35,14 +36,7 @@ return {
       const uint *touches
       const uint *list
       float *contacts
-      const float *restitutions
-      const float *frictions  if FRICTION == 1
-      const uint *materials   if MATERIALS == 1
-      const float *material_rules  if MATERIALS == 1
-      float4 ground_surface   only if GROUND_MATERIAL == 1
-      const float *rolling_resistances  if ROLLING == 1
-      const float4 *halves    if ROLLING == 1
-      const float4 *surface_velocities  if CONVEYS == 1
+    ]] .. common.SURFACES .. [[
       uint carrier            only if CARRIED == 1
       uint n
       const uint *awake       if SLEEP == 1
