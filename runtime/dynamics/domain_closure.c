@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contacts of ghosts that a domain solves as well as their homes: the device finds them, and asks
-// for those that it does not have as at home (kernels/dynamics/closure.cl,
-// asked_contacts.cl).
+// for those that it does not have as at home (closure.cl and asked_contacts.cl of the kernels).
 #include "base/error.h"
 #include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
