@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/classify.h"
 
-#include "base/compare.h"
-
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>

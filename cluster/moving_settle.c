@@ -2,7 +2,6 @@
 // Bodies and contacts are read as a step and commands left them, before they are exchanged.
 #include "cluster/moving_domains.h"
 
-#include "base/compare.h"
 #include "base/error.h"
 
 // ---------------------------------------------------------------- bodies
