@@ -206,9 +206,13 @@ static const simulated_row flat_rows[] = {
 // as long for a while, now one, now the other, alone as together; and every fourth
 // launch something takes its core away. Divided evenly a step takes 1 / 1.9 of a
 // single device's in three rounds of four.
+//
+// While one device is slow the share that ends both together is .59, so that not every tuning ends
+// near .5: 90.7 % of 20 000 do in 100 seeds, and 87.6 % gain so much. Of 1 000 the parts below are
+// four deviations less.
 TEST(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain)
 {
-    enum { TIMES = 200 };
+    enum { TIMES = 1000 };
     int near = 0, gains = 0;
     rng random = rng_seed(test_seed());
     for (int i = 0; i < TIMES; ++i) {
@@ -226,8 +230,8 @@ TEST(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain)
         random = f.random;
     }
     print_message("%d of %d shares near 0.5, %d gains of 60 %%\n", near, TIMES, gains);
-    assert_true(near >= 0.9 * TIMES);
-    assert_true(gains >= 0.8 * TIMES);
+    assert_true(near >= 0.87 * TIMES);
+    assert_true(gains >= 0.83 * TIMES);
 }
 
 // Says that both devices are equal, and starts there.
