@@ -16,10 +16,6 @@
 #include "runtime/opencl/device.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // The rows are called with these where an argument is not the one in question.
 static duet_device_pair *pair;

@@ -2,13 +2,8 @@
 #include "support/test.h"
 
 #include "base/budget.h"
-#include "base/error.h"
 #include "base/list.h"
-#include "base/rng.h"
 #include "base/text_file.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 TEST(the_first_failure_is_kept)
 {

@@ -2,13 +2,8 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "runtime/scene/scene_load.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define FILE_NAME "test_npy.npy"
 

@@ -9,15 +9,10 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/narrowphase/level.h"
 #include "runtime/scene/reference.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <string.h>
 
 // Slabs have space for some hundred objects more than they get.
 enum {

@@ -8,7 +8,6 @@
 #include "base/text.h"
 
 #include <cjson/cJSON.h>
-#include <string.h>
 
 #define SCENE "test_accuracy.scene.lua"
 #define ORBIT "test_accuracy.orbit.lua"

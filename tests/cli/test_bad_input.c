@@ -10,8 +10,6 @@
 #include "support/program.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #define OUT "test_bad_input.out"

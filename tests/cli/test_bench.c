@@ -8,8 +8,6 @@
 #include "base/text.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
 
 #define OUT "test_bench.json"
 #define OLD "test_bench.old.json"

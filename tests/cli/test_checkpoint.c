@@ -6,11 +6,9 @@
 #include "support/test.h"
 
 #include "base/clock.h"
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include <signal.h>
-#include <stdio.h>
 #include <sys/wait.h>
 #include <time.h>
 

@@ -11,9 +11,6 @@
 #include "lua/session.h"
 #include "cli/tune_config.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define FILE_NAME "test_hostile.lua"
 
 // A script's seconds here. The time that it may take beyond them is the promise of

@@ -5,8 +5,6 @@
 
 #include "base/text_file.h"
 
-#include <string.h>
-
 #define SCENE "test_picture.txt"
 #define SVG "test_picture.svg"
 #define PNG "test_picture.png"

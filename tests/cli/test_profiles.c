@@ -8,10 +8,6 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // A store with two profiles, one of them replaced once.
 static test_folder make_store(void)
 {

@@ -6,9 +6,6 @@
 
 #include <cjson/cJSON.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

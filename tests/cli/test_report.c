@@ -8,9 +8,6 @@
 #include "profiles/sql.h"
 #include "profiles/store.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define PAGE "test_report.html"
 #define RESULTS "test_report.json"
 #define LEVELS "test_report.levels.json"

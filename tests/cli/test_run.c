@@ -7,11 +7,6 @@
 
 #include "base/text_file.h"
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SCENE "test_run.scene.lua"
 
 // 400 boxes, drawn with the scene's own seed.

@@ -6,9 +6,6 @@
 #include "support/test.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static char data_dir[512]; // "DUET_KERNEL_DIR=..." of the test kernels
 

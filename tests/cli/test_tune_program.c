@@ -10,11 +10,6 @@
 #include "base/text_file.h"
 #include "cli/tune_config.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SCENE "test_tune.scene.lua"
 #define STORE "test_tune.db"
 #define CONFIG "test_tune.tune.lua"

@@ -4,12 +4,9 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
 
 #define SCENE "test_verify.scene.lua"
 #define FLYING "test_verify.flying.lua"

@@ -11,11 +11,6 @@
 #include "profiles/duet_profiles.h"
 #include "profiles/sql.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

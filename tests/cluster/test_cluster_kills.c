@@ -8,13 +8,10 @@
 #include "support/test.h"
 
 #include "base/clock.h"
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include <glob.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <time.h>
 

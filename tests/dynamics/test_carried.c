@@ -6,10 +6,6 @@
 #include "support/test.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const double weight = 9.81;
 
 // ---------------------------------------------------------------- carried meshes

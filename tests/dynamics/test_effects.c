@@ -9,11 +9,6 @@
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const char path[] = "motion"; // name of the file that a test saves
 
 // ---------------------------------------------------------------- inference

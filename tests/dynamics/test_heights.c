@@ -4,9 +4,6 @@
 #include "support/test.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // ---------------------------------------------------------------- grounds
 
 typedef struct field {

@@ -4,9 +4,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <string.h>
-
 static const double g = 9.81;
 
 static double combine(duet_combine rule, double a, double b)

@@ -6,10 +6,6 @@
 #include "support/test.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // ---------------------------------------------------------------- meshes
 
 // Each triangle with corners of its own, in any order, from any corner on: as a file has them.

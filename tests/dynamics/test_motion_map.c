@@ -7,9 +7,6 @@
 #include "runtime/duet_motion_map.h"
 #include "runtime/dynamics/motion.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { CUBES = 24 };
 
 // Cubes above a floor, at place 0, that stay apart for a while.

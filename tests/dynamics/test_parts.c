@@ -3,11 +3,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/dynamics/motion.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { OBJECTS = 300 };
 

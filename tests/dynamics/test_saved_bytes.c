@@ -3,11 +3,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
-
-#include <stdio.h>
-#include <string.h>
 
 enum { PILE = 250 };
 

@@ -3,14 +3,10 @@
 #include "support/golden.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
 #include "gen/gen.h"
 
 #include <sha256.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
 static const gen_limits cpu = {

@@ -11,9 +11,6 @@
 #include "base/text_file.h"
 #include "gen/gen.h"
 
-#include <stdio.h>
-#include <string.h>
-
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
 static const gen_limits cpu = {
     .max_group = 4096, .local_bytes = 1 << 20, .fp64 = true, .cpu = true};

@@ -13,8 +13,6 @@
 #include "runtime/opencl/program.h"
 #include "support/narrow_float.h"
 
-#include <string.h>
-
 #define PLAIN "-cl-std=CL1.2"
 
 enum { PAIRS = 3000, OBJECTS = 2 * PAIRS, LISTS = 2 };

@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
@@ -14,9 +13,6 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // A CPU that can be cut into parts; skips the test where there is none.
 static const duet_device_info *cuttable_cpu(void)

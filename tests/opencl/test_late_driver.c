@@ -12,8 +12,6 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { LATE_US = 700000, MOMENT_US = 20000 };

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Arguments reach kernels by their names: cards whose arguments the host does not know, or
 // knows otherwise, are refused when the kernel is built, and their order is the card's own.
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "support/kernels.h"
 #include "support/test.h"
-
-#include <string.h>
 
 #define FOLDER "test_launcher.kernels"
 

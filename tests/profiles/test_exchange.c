@@ -2,18 +2,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "profiles/exchange.h"
 #include "profiles/level_cost.h"
 #include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 typedef struct two_stores {
     test_folder folder;

@@ -3,10 +3,6 @@
 
 #include "support/look.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static look_fixture f; // the test's
 
 static int begin(void **state)

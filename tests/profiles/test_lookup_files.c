@@ -9,9 +9,6 @@
 #include "support/look.h"
 
 #include <dirent.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 // ------------------------------------------------------------------------ two files

@@ -6,9 +6,6 @@
 #include "profiles/sql.h"
 #include "support/store.h"
 
-#include <stdio.h>
-#include <string.h>
-
 // ------------------------------------------------------------------------- rows
 
 TEST(a_pair_and_a_workload_are_stored_once)

@@ -6,7 +6,6 @@
 #include "profiles/sql.h"
 #include "support/store.h"
 
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

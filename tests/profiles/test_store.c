@@ -2,15 +2,11 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/sql.h"
 #include "support/store.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 static void write_bytes(const char *path, const char *bytes, size_t n)

@@ -3,16 +3,12 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"
 
-#include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -6,15 +6,10 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Boxes reach over many cells, and all coordinates near 0 are multiples of 2^-8: offsets hold them.
 #define EDGE 0.5f

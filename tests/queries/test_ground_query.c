@@ -7,12 +7,6 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { NX = 13, NY = 9, RAYS = 4000, POINTS = 600 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};

@@ -8,10 +8,6 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { TRIANGLES = 300, GROUND = 6 }; // no objects, and walls have 0 to 5
 
 typedef struct soup {

@@ -5,12 +5,7 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "gen/gen.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 300, ITEMS = 400, NEAREST = 4 };
 

@@ -4,10 +4,6 @@
 
 #include "base/text.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Reads the document's blocks ```kind ... ``` as files; returns how many.
 static int read_examples(const char *document, const char *kind)
 {

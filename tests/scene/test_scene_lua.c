@@ -2,16 +2,9 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
 #include "gen/script.h"
 #include "runtime/scene/scene_load.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define FILE_NAME "test_scene_lua.lua"
 #define TEXT_NAME "test_scene_lua.txt"

@@ -4,13 +4,8 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
-#include "runtime/duet.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Three digits after a blank belong to the digits before it.
 static bool continues(const char *at)

@@ -4,9 +4,6 @@
 
 #include "base/text_file.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 static void compare_lines(const char *path, const char *got, const char *wanted)
 {
     for (int line = 1;; ++line) {

@@ -5,8 +5,6 @@
 #include "base/text.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 
 // Gives the path of a file within the folder; its own folder is made.

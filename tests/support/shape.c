@@ -2,8 +2,6 @@
 #include "support/shape.h"
 #include "support/test.h"
 
-#include <stdlib.h>
-
 shape *shape_new(void)
 {
     shape *s = calloc(1, sizeof *s);

@@ -4,14 +4,8 @@
 #include "support/task_files.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // ---------------------------------------------------------------- files
 

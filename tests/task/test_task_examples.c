@@ -6,11 +6,6 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static char folder[512];
 
 static int find_folder(void **state)

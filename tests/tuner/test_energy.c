@@ -2,12 +2,7 @@
 // Tunings that make energy small, on two devices that are only arithmetic.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/tune.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #define FILE_NAME "test_energy.txt"
 

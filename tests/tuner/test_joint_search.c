@@ -2,15 +2,9 @@
 // Strategies that choose kernels and share together, on two kernels that are only arithmetic.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/joint_space.h"
 #include "tuner/strategy.h"
 #include "tuner/tune.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { SIZES = 4, TILES = 3, CONFIGS = SIZES * TILES, POINTS = 16 };
 

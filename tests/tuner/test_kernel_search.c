@@ -2,15 +2,8 @@
 // The search of kernels' parameters on kernels that are only arithmetic.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/kernel_search.h"
 #include "tuner/tune.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { RIGHT = 4711, PARAMS = 4, KERNEL_MS = 6, REST_MS = 4 };
 

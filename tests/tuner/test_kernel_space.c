@@ -5,10 +5,6 @@
 #include "runtime/broadphase/kernel_space.h"
 #include "tuner/subject.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { BOXES = 300 };
 
 typedef struct fixture {

@@ -7,10 +7,6 @@
 #include "tuner/trial_budget.h"
 #include "tuner/tune.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 enum { RIGHT = 4711 };
 
 // A simulated pair behind the face of a machine. Variant "slow" takes thrice the
