@@ -6,7 +6,6 @@
 #include "support/devices.h"
 
 #include "runtime/broadphase/world.h"
-#include "runtime/duet_opencl.h"
 #include "runtime/selection/profile_subject.h"
 
 enum { N = 600 };

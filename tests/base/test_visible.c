@@ -4,12 +4,9 @@
 #include "support/json.h"
 #include "support/test.h"
 
-#include "base/text.h"
 #include "base/visible.h"
 #include "support/program.h"
 #include "support/store.h"
-
-#include <cjson/cJSON.h>
 
 // Decodes by the definition: how many bits each byte adds, then what a code
 // point may be and how short it could have been. 0 where it is none.

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 
-#include <inttypes.h>
 #include <linux/perf_event.h>
 #include <math.h>
 #include <stdio.h>

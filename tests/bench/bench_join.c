@@ -4,7 +4,6 @@
 #include "bench.h"
 
 #include "base/clock.h"
-#include "base/error.h"
 
 #include <stdio.h>
 #include <stdlib.h>

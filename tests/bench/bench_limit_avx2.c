@@ -6,7 +6,6 @@
 #include "limit_avx2.h"
 
 #include <inttypes.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 

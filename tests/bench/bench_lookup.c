@@ -5,13 +5,11 @@
 #include "bench.h"
 
 #include "base/clock.h"
-#include "base/error.h"
 #include "base/rng.h"
 #include "profiles/lookup.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 

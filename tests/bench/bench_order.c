@@ -3,7 +3,6 @@
 #include "bench.h"
 
 #include "base/clock.h"
-#include "base/error.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,6 @@
 // a row.
 #include "bench.h"
 
-#include "base/error.h"
 #include "support/any_strategy.h"
 #include "support/simulated_pair.h"
 

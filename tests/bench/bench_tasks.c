@@ -15,7 +15,6 @@
 #include "part_times.h"
 
 #include "base/clock.h"
-#include "base/error.h"
 #include "base/rng.h"
 #include "runtime/task/task.h"
 #include "tuner/stats.h"

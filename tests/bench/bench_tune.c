@@ -4,7 +4,6 @@
 // choices are then raced against an even grid of shares, all in turn.
 #include "bench.h"
 
-#include "base/error.h"
 #include "support/any_strategy.h"
 #include "tuner/race.h"
 #include "tuner/subject.h"

@@ -11,7 +11,6 @@
 
 #include "base/text.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/narrowphase/level.h"
 #include "runtime/scene/reference.h"
 
 // Slabs have space for some hundred objects more than they get.

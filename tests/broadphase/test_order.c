@@ -5,7 +5,6 @@
 #include "support/devices.h"
 
 #include "runtime/broadphase/order.h"
-#include "runtime/broadphase/world.h"
 #include "runtime/selection/profile_subject.h"
 
 // So many are ordered by several threads.

@@ -4,7 +4,6 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "runtime/broadphase/world.h"
 #include "runtime/scene/reference.h"
 
 enum { OBJECTS = 900, EDGE = 7 };

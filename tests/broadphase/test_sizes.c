@@ -5,7 +5,6 @@
 
 #include "base/budget.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/duet_opencl.h"
 
 enum { CAPACITY = 3000 };
 

@@ -7,8 +7,6 @@
 
 #include "base/text.h"
 
-#include <cjson/cJSON.h>
-
 #define SCENE "test_accuracy.scene.lua"
 #define ORBIT "test_accuracy.orbit.lua"
 #define STACK "test_accuracy.stack.lua"

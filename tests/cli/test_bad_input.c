@@ -9,7 +9,6 @@
 #include "support/kernels.h"
 #include "support/program.h"
 
-#include <cjson/cJSON.h>
 #include <unistd.h>
 
 #define OUT "test_bad_input.out"

@@ -7,8 +7,6 @@
 
 #include "base/text.h"
 
-#include <cjson/cJSON.h>
-
 #define OUT "test_bench.json"
 #define OLD "test_bench.old.json"
 #define BENCH "bench --quick --scene paper "

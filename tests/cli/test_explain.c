@@ -4,8 +4,6 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include <cjson/cJSON.h>
-
 // The lines about device B, which does all the work.
 static cJSON *explain(const char *arguments)
 {

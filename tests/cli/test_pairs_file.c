@@ -7,8 +7,6 @@
 #include "base/npy.h"
 #include "base/text_file.h"
 
-#include <cjson/cJSON.h>
-
 #define TOUCHING "0 0 0 .5 .5 .5 0 0 0 1   1 0 0 .5 .5 .5 0 0 0 1\n"
 #define APART "0,0,0,.5,.5,.5,0,0,0,1, 0,2,0,.5,.5,.5,0,0,1,0\n"
 

@@ -4,7 +4,6 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include <cjson/cJSON.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -6,7 +6,6 @@
 
 #include "base/text_file.h"
 #include "profiles/sql.h"
-#include "profiles/store.h"
 
 #define PAGE "test_report.html"
 #define RESULTS "test_report.json"

@@ -7,7 +7,6 @@
 
 #include "base/text_file.h"
 
-#include <cjson/cJSON.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // duet tune, as a person calls it, and tune files.
 #define _POSIX_C_SOURCE 200809L
-#include "profiles/store.h"
 #include "support/devices.h"
 #include "support/json.h"
 #include "support/store.h"

@@ -5,7 +5,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "gen/gen.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
 

@@ -3,8 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "runtime/duet_motion_commands.h"
-#include "runtime/duet_motion_map.h"
 #include "runtime/dynamics/motion.h"
 
 enum { CUBES = 24 };

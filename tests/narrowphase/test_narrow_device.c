@@ -7,7 +7,6 @@
 #include "support/hard_pairs.h"
 #include "support/promise.h"
 
-#include "gen/gen.h"
 #include "kernels/counters.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/program.h"

@@ -5,7 +5,6 @@
 #include "base/text_file.h"
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/cache.h"
-#include "runtime/opencl/device.h"
 #include "runtime/opencl/program.h"
 
 #include <fcntl.h>

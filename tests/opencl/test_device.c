@@ -2,11 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/driver.h"
-#include "runtime/opencl/program.h"
 #include "runtime/opencl/program_build.h"
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/opencl/timeline.h"

@@ -7,7 +7,6 @@
 #include "support/test.h"
 
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/driver.h"
 
 #include <dlfcn.h>
 #include <stdatomic.h>

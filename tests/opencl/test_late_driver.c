@@ -4,7 +4,6 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/timeline.h"
 

@@ -9,7 +9,6 @@
 #include "support/test.h"
 
 #include "runtime/broadphase/world.h"
-#include "runtime/duet_motion_map.h"
 
 #include <time.h>
 

@@ -4,7 +4,6 @@
 
 #include "profiles/exchange.h"
 #include "profiles/level_cost.h"
-#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"

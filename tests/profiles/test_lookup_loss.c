@@ -3,7 +3,6 @@
 // a model of two devices, which the look-up never sees.
 #include "support/test.h"
 
-#include "profiles/session.h"
 #include "support/look.h"
 
 #define LEAST_N 2e3

@@ -2,7 +2,6 @@
 // A store keeps devices, workloads, trials, profiles.
 #include "support/test.h"
 
-#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "support/store.h"
 

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"
 

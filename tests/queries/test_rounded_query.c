@@ -6,7 +6,6 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/ray.h"
 

@@ -11,7 +11,6 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/selection/profile_subject.h"
 
-#include <cjson/cJSON.h>
 #include <sys/stat.h>
 
 typedef struct fixture {

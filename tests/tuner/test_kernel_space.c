@@ -2,7 +2,6 @@
 // Parameters that can be set of the kernels that a world really runs.
 #include "support/test.h"
 
-#include "runtime/broadphase/kernel_space.h"
 #include "tuner/subject.h"
 
 enum { BOXES = 300 };

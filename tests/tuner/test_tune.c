@@ -5,7 +5,6 @@
 #include "base/budget.h"
 #include "support/simulated_pair.h"
 #include "tuner/trial_budget.h"
-#include "tuner/tune.h"
 
 enum { RIGHT = 4711 };
 
