@@ -15,9 +15,8 @@
 
 static void assert_file_holds(const char *path, const char *chars)
 {
-    text t = test_read_file(path);
+    own(text) t = test_read_file(path);
     assert_string_equal(text_chars(&t), chars);
-    text_free(&t);
 }
 
 // The refusal leaves stdout empty and the file for the pairs as it was.

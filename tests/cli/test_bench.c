@@ -13,9 +13,8 @@
 
 static cJSON *read_json(const char *path)
 {
-    text t = test_read_file(path);
+    own(text) t = test_read_file(path);
     cJSON *o = json_of(text_chars(&t));
-    text_free(&t);
     assert_non_null(o);
     return o;
 }

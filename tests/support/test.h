@@ -89,6 +89,9 @@ void *test_keep(void *thing, void (*back)(void *thing));
 void test_give_back(void *thing);
 void *test_alloc(size_t bytes); // zeros, which the test keeps
 
+// A value that its block frees at the end, by TYPE_free: own(text) line = {0};
+#define own(type) __attribute__((cleanup(type##_free))) type
+
 // The kinds that public calls make and destroy, each with its test_KIND_back for test_keep.
 // clang-format off
 #define TEST_KINDS(OF)                                                                           \
