@@ -4,8 +4,7 @@
 
 shape *shape_new(void)
 {
-    shape *s = calloc(1, sizeof *s);
-    assert_non_null(s);
+    shape *s = test_alloc(sizeof *s);
     s->mesh = (duet_mesh){.vertices = s->vertices, .triangles = s->triangles};
     return s;
 }
