@@ -4,8 +4,6 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl_icd.h>
 
-#include <string.h>
-
 struct _cl_platform_id {
     const cl_icd_dispatch *dispatch;
 };

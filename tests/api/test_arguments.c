@@ -16,10 +16,6 @@
 #include "runtime/opencl/device.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // The rows are called with these where an argument is not the one in question.
 static duet_device_pair *pair;
@@ -1180,7 +1176,7 @@ static void check_call(const char *header, const char *name, bool takes_an_error
 // The name before the first bracket behind DUET_API.
 static void check_header(const char *header)
 {
-    text path = {0}, file = {0};
+    own(text) path = {0}, file = {0};
     text_add(&path, "%s/../../%s", getenv("DUET_TEST_DATA"), header);
     must(text_read_file(&file, text_chars(&path), ERR));
     for (char *at = strstr(file.chars, "\nDUET_API "); at; at = strstr(at + 1, "\nDUET_API ")) {
@@ -1192,8 +1188,6 @@ static void check_header(const char *header)
         *bracket = '(';
         *end = ';';
     }
-    text_free(&path);
-    text_free(&file);
 }
 
 TEST(every_call_refuses_what_it_cannot_use)

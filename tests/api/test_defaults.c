@@ -2,11 +2,8 @@
 // What a def does that nobody has filled in.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "support/devices.h"
 #include "tuner/duet_tune.h"
-
-#include <string.h>
 
 enum { N = 2000 };
 

@@ -3,11 +3,8 @@
 // on it ends without a leak, and what is still open goes on as before.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device.h"
 #include "tuner/duet_tune.h"
-
-#include <string.h>
 
 typedef enum owner { PAIR, SCENE, WORLD, ONLINE, MOTION, TEST, OWNERS } owner;
 

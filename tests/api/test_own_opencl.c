@@ -5,15 +5,8 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/duet_opencl.h"
 #include "runtime/selection/profile_subject.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { N = 600 };
 

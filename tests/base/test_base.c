@@ -2,13 +2,8 @@
 #include "support/test.h"
 
 #include "base/budget.h"
-#include "base/error.h"
 #include "base/list.h"
-#include "base/rng.h"
 #include "base/text_file.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 TEST(the_first_failure_is_kept)
 {
@@ -96,15 +91,13 @@ TEST(an_opencl_failure_names_its_code)
 
 TEST(a_text_grows_and_survives_a_file)
 {
-    text t = {0};
+    own(text) t = {0};
     for (int i = 0; i < 1000; ++i)
         text_add(&t, "%d,", i);
     must(text_write_file("test_base.tmp", t.chars, t.length, ERR));
-    text back = test_read_file("test_base.tmp");
+    own(text) back = test_read_file("test_base.tmp");
     assert_int_equal(back.length, t.length);
     assert_memory_equal(back.chars, t.chars, t.length);
-    text_free(&t);
-    text_free(&back);
 }
 
 // Its items stay, whatever was taken from its end meanwhile.
@@ -136,7 +129,7 @@ TEST(a_list_takes_no_more_than_a_script_may)
 
 TEST(a_missing_file_and_a_folder_are_named)
 {
-    text t = {0};
+    own(text) t = {0};
     duet_error err = {0};
     assert_false(text_read_file(&t, "no/such/file", &err));
     assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
@@ -144,7 +137,6 @@ TEST(a_missing_file_and_a_folder_are_named)
     err = (duet_error){0};
     assert_false(text_read_file(&t, "/", &err));
     assert_int_equal(err.status, DUET_STATUS_IO_FAILED);
-    text_free(&t);
 }
 
 TEST(random_numbers_are_the_same_everywhere)

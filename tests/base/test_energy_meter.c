@@ -6,9 +6,6 @@
 #include "base/clock.h"
 #include "base/energy_meter.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 
 #define FILE_NAME "test_energy_meter.txt"

@@ -3,11 +3,8 @@
 #include "support/test.h"
 
 #include "base/exact_sum.h"
-#include "base/rng.h"
 
 #include <gmp.h>
-#include <math.h>
-#include <string.h>
 
 enum { MOST = 400, BITS = 4096 };
 

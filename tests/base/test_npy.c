@@ -2,13 +2,8 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "runtime/scene/scene_load.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define FILE_NAME "test_npy.npy"
 
@@ -81,13 +76,12 @@ TEST(every_version_type_and_order_gives_the_same_objects)
     for (int version = 1; version <= 3; ++version)
         for (int k = 0; k < 4; ++k)
             for (int fortran = 0; fortran < 2; ++fortran) {
-                text t = npy_of(version, descrs[k], fortran, rows, 3, 10);
+                own(text) t = npy_of(version, descrs[k], fortran, rows, 3, 10);
                 duet_scene *scene = must(read_npy(&t, ERR));
                 assert_int_equal(duet_scene_get_info(scene)->n, 3);
                 for (int i = 0; i < 30; ++i)
                     assert_true(((const float *)duet_scene_get_objects(
                                     scene, DUET_OBJECT_POSES))[i] == (float)rows[i]);
-                text_free(&t);
             }
 }
 
@@ -102,7 +96,7 @@ TEST(a_range_is_that_part_of_the_whole)
         many[i] = i % COLUMNS < 3 ? i / COLUMNS : i / COLUMNS + i % COLUMNS;
     for (int fortran = 0; fortran < 2; ++fortran) {
         uint64_t n = 0, deferred = 0;
-        text t = npy_of(1, "<f8", fortran, many, ROWS, COLUMNS);
+        own(text) t = npy_of(1, "<f8", fortran, many, ROWS, COLUMNS);
         must(text_write_file(FILE_NAME, t.chars, t.length, ERR));
         for (size_t k = 0; k < sizeof ranges / sizeof *ranges; ++k) {
             uint64_t end = ranges[k][1] < ROWS ? ranges[k][1] : ROWS;
@@ -121,7 +115,6 @@ TEST(a_range_is_that_part_of_the_whole)
         assert_int_equal(duet_scene_get_info(first)->n, 1);
         assert_int_equal(n, ROWS);
         assert_int_equal(deferred, ROWS - 1);
-        text_free(&t);
     }
 }
 
@@ -138,22 +131,20 @@ TEST(the_second_number_of_the_shape_says_what_a_row_is)
     static const double ascending[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
     for (int i = 0; i < 4; ++i)
         for (uint32_t n = 0; n <= 1; ++n) {
-            text t = npy_of(1, "<f4", false, ascending, n, kinds[i].columns);
+            own(text) t = npy_of(1, "<f4", false, ascending, n, kinds[i].columns);
             duet_scene *scene = must(read_npy(&t, ERR));
             assert_int_equal(duet_scene_get_info(scene)->n, n);
             assert_int_equal(duet_scene_get_info(scene)->dims, kinds[i].dims);
             assert_int_equal(duet_scene_get_info(scene)->shape, kinds[i].shape);
-            text_free(&t);
         }
 }
 
 TEST(a_double_that_no_float_holds_is_refused)
 {
     const double row[] = {0, 0, 0, 1e300};
-    text t = npy_of(1, "<f8", false, row, 1, 4);
+    own(text) t = npy_of(1, "<f8", false, row, 1, 4);
     assert_refused(&t, DUET_STATUS_BAD_OBJECT,
                    FILE_NAME ": object 0: max y = 1e+300 does not fit a 32-bit float");
-    text_free(&t);
 }
 
 TEST(a_bad_object_is_refused_by_its_id)
@@ -161,9 +152,8 @@ TEST(a_bad_object_is_refused_by_its_id)
     double bad[30];
     memcpy(bad, rows, sizeof bad);
     bad[20 + 4] = -1;
-    text t = npy_of(1, ">f4", true, bad, 3, 10);
+    own(text) t = npy_of(1, ">f4", true, bad, 3, 10);
     assert_refused(&t, DUET_STATUS_BAD_OBJECT, FILE_NAME ": object 2: hy = -1 is negative");
-    text_free(&t);
 }
 
 TEST(a_wrong_header_is_refused)
@@ -209,9 +199,8 @@ TEST(a_wrong_header_is_refused)
         {"", DUET_STATUS_BAD_INPUT, "not a Python dictionary"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        text t = npy_begin(1, wrong[i].literal);
+        own(text) t = npy_begin(1, wrong[i].literal);
         assert_refused(&t, wrong[i].status, wrong[i].says);
-        text_free(&t);
     }
 }
 
@@ -219,40 +208,37 @@ TEST(other_files_and_later_versions_are_refused)
 {
     scene_assert_refused(FILE_NAME, "1,2,3,4\n", DUET_STATUS_BAD_INPUT, "does not begin as a .npy");
     scene_assert_refused(FILE_NAME, "", DUET_STATUS_BAD_INPUT, "does not begin as a .npy");
-    text t = npy_of(4, "<f4", false, rows, 3, 10);
+    own(text) t = npy_of(4, "<f4", false, rows, 3, 10);
     assert_refused(&t, DUET_STATUS_BAD_INPUT, "is .npy version 4; versions 1, 2 and 3 are read");
-    text_free(&t);
 }
 
 TEST(every_truncation_is_refused)
 {
     for (int version = 1; version <= 2; ++version) {
-        text t = npy_of(version, "<f8", false, rows, 3, 10);
+        own(text) t = npy_of(version, "<f8", false, rows, 3, 10);
         for (size_t n = 0; n < t.length; ++n) {
             char *exact = test_alloc(n ? n : 1); // so that a read past the end is seen
             memcpy(exact, t.chars, n);
             must_fail(scene_from_bytes(FILE_NAME, exact, n, NULL, 0, ERR), DUET_STATUS_BAD_INPUT,
                       "");
         }
-        text_free(&t);
     }
 }
 
 TEST(bytes_after_the_array_are_refused)
 {
-    text t = npy_of(1, "<f4", false, rows, 3, 10);
+    own(text) t = npy_of(1, "<f4", false, rows, 3, 10);
     text_add_bytes(&t, "", 1);
     assert_refused(&t, DUET_STATUS_BAD_INPUT,
                    "too long: the shape (3, 10) needs 120 bytes of data, and 121 follow");
-    text_free(&t);
 }
 
 TEST(changed_bytes_are_read_or_refused)
 {
     rng r = rng_seed(test_seed());
-    text good = npy_of(1, "<f4", false, rows, 3, 10);
+    own(text) good = npy_of(1, "<f4", false, rows, 3, 10);
     for (int round = 0; round < 5000; ++round) {
-        text t = {0};
+        own(text) t = {0};
         text_add_bytes(&t, good.chars, good.length);
         for (uint32_t k = 1 + rng_below(&r, 3); k > 0; --k)
             t.chars[rng_below(&r, 80)] = (char)rng_below(&r, 256);
@@ -260,9 +246,7 @@ TEST(changed_bytes_are_read_or_refused)
         duet_scene *scene = read_npy(&t, &err);
         assert_true((scene != NULL) == (err.status == DUET_STATUS_OK));
         assert_true(scene || (err.text[0] && !strchr(err.text, '\n')));
-        text_free(&t);
     }
-    text_free(&good);
 }
 
 TEST_MAIN(NULL, NULL)

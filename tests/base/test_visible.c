@@ -4,15 +4,9 @@
 #include "support/json.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-#include "base/text.h"
 #include "base/visible.h"
 #include "support/program.h"
 #include "support/store.h"
-
-#include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
 
 // Decodes by the definition: how many bits each byte adds, then what a code
 // point may be and how short it could have been. 0 where it is none.
@@ -58,7 +52,7 @@ TEST(nothing_that_a_terminal_obeys_comes_through)
     rng r = rng_seed(test_seed());
     for (int round = 0; round < 20000; ++round) {
         char bytes[24];
-        text shown = {0}, valid = {0};
+        own(text) shown = {0}, valid = {0};
         size_t n = 1 + rng_below(&r, sizeof bytes);
         for (size_t i = 0; i < n; ++i)
             bytes[i] = (char)rng_below(&r, 256);
@@ -77,8 +71,6 @@ TEST(nothing_that_a_terminal_obeys_comes_through)
             length = length_by_definition(u + i, valid.length - i, &point);
             assert_true(length > 0 && !(point >= 0x7f && point < 0xa0));
         }
-        text_free(&shown);
-        text_free(&valid);
     }
 }
 
@@ -122,12 +114,11 @@ TEST(an_error_line_is_visible_and_whole)
 // No control character but newline and tab, and UTF-8 throughout.
 static void assert_fit(const char *what, const char *chars)
 {
-    text shown = {0};
+    own(text) shown = {0};
     text_add_visible(&shown, chars, strlen(chars), "\n\t");
     if (shown.chars && strcmp(shown.chars, chars) != 0)
         fail_msg("%s prints %s", what,
                  strstr(shown.chars, "\\x") ? strstr(shown.chars, "\\x") : shown.chars);
-    text_free(&shown);
 }
 
 static void assert_json(const char *what, const char *chars)
@@ -145,7 +136,7 @@ static void make_hostile(const char *path, const char *name)
     store *s = test_store_open(path, STORE_WRITE);
     test_tune(s, &pair, &workload);
     store_close(s);
-    text sql = {0};
+    own(text) sql = {0};
     static const char *const columns[] = {
         "device.name",          "device.vendor",   "device.key",
         "env.driver",           "env.part",        "env.platform_version",
@@ -164,7 +155,6 @@ static void make_hostile(const char *path, const char *name)
                    "UPDATE trial SET terms = '{broken}';"
                    "UPDATE session SET options = '{} , {}', search_state = '{\"a\":}';");
     test_store_run(path, text_chars(&sql));
-    text_free(&sql);
 }
 
 static const char *const hostile[] = {
@@ -216,10 +206,9 @@ TEST(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it)
         program_done(program_run("report --profile %s -o %s/page.html", folder.store, folder.path));
         char path[96];
         snprintf(path, sizeof path, "%s/page.html", folder.path);
-        text page = test_read_file(path);
+        own(text) page = test_read_file(path);
         assert_fit("the page", text_chars(&page));
         assert_null(strstr(text_chars(&page), "</title><b>"));
-        text_free(&page);
     }
 }
 

@@ -1,66 +1,122 @@
 // SPDX-License-Identifier: MIT
 // duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--task T]
 // [--strategy S] [--seconds S] [--verify]
+#define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 
-#include "base/error.h"
 #include "runtime/scene/reference.h"
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 static const struct {
     const char *name;
-    bench_run *run;
+    void (*run)(const bench_options *options);
     const char *about;
 } benches[] = {
-    {"candidates", bench_candidates, "merged rows against the paper's search, on one device"},
-    {"share", bench_share, "two devices against the better one, each way to split"},
-    {"step", bench_step, "a whole step against the AVX2 program and the paper's kernels"},
-    {"still", bench_still, "what effects cost a scene that calls for none"},
-    {"growth", bench_growth, "time an object, up to --n objects"},
-#ifdef BENCH_AVX2
-    {"limit", bench_limit, "the AVX2 program alone, stage by stage"},
-#endif
-    {"commands", bench_commands,
-     "bodies that come and go before each step, and the same only woken"},
-    {"cost", bench_cost, "processor time and instructions of a step of six scenes, for .ci/cost"},
-    {"generate", bench_generate, "the text of each kernel, and its number of configs"},
-    {"lookup", bench_lookup, "opening the profile store and looking up, with --n profiles in it"},
-    {"loss", bench_loss,
-     "plans that are looked up beside fresh tunings, at --runs sizes around --n"},
-    {"join", bench_join, "a hundredth of the paper's scene against all of it, and a step of both"},
-    {"cells", bench_cells, "the order of the paper's scene by cell alone"},
-    {"order", bench_order, "objects at random and in order, on one device and two"},
-    {"rays", bench_rays, "a tree over the paper's scene, and as many rays through it"},
-    {"spheres", bench_spheres,
-     "a million equal spheres, and as many unrotated cubes in their places"},
-    {"tune", bench_tune, "searches for the share on this machine, one device slowed down"},
-    {"tasks", bench_tasks,
-     "kernels and share of the example tasks, by each strategy and by all plans"},
-    {"strategies", bench_strategies, "searches for the share on invented device pairs"},
-};
+#define ROW(name, about) {#name, bench_##name, about},
+    BENCHES(ROW)};
 
 enum { N_BENCHES = sizeof benches / sizeof benches[0] };
 
-duet_device_pair *bench_pair(const bench_options *options, duet_error *err)
+duet_error bench_error;
+static const char *running; // the benchmark's name
+
+void bench_fail(void)
+{
+    fprintf(stderr, "duet_bench %s: %s\n", running, bench_error.text);
+    exit(1);
+}
+
+void *bench_alloc(size_t bytes)
+{
+    void *zeros = calloc(1, bytes + 1);
+    must(zeros || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes));
+    return zeros;
+}
+
+double bench_cpu_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+duet_device_pair *bench_pair(const bench_options *options)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     if (options->device_a) {
         def.a = options->device_a;
         def.b = options->device_b;
     }
-    return duet_device_pair_create(&def, err);
+    return must(duet_device_pair_create(&def, ERR));
 }
 
-duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err)
+float paper_world(uint32_t n)
 {
-    duet_pose *poses = paper_poses(n, options->seed);
-    if (!poses)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n);
+    return (float)cbrt(8.0 * n);
+}
+
+duet_pose *bench_poses(uint32_t n, const bench_options *options)
+{
+    enum { PAGE = 4096 };
+    size_t bytes = ((size_t)n * sizeof(duet_pose) + PAGE) / PAGE * PAGE;
+    duet_pose *poses = aligned_alloc(PAGE, bytes);
+    rng r = rng_seed(options->seed);
+    double world = paper_world(n);
+    must(poses || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n));
+    for (uint32_t i = 0; i < n; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            poses[i].centre[k] = (float)rng_between(&r, 0, world);
+            poses[i].half_extents[k] = 0.5f;
+        }
+        for (int k = 0; k < 4; ++k)
+            poses[i].rotation[k] = (float)rng_normal(&r);
+    }
     return poses;
+}
+
+duet_world *bench_world(duet_device_pair *pair, duet_world_def def)
+{
+    def.pair = pair;
+    return must(duet_world_create(&def, ERR));
+}
+
+bench_folder bench_make_folder(void)
+{
+    bench_folder f = {.path = "duet_bench.XXXXXX"};
+    must(mkdtemp(f.path) ||
+         error_set(ERR, DUET_STATUS_IO_FAILED, "%s: cannot be made here", f.path));
+    for (int i = 0; i < 2; ++i)
+        snprintf(f.stores[i], sizeof f.stores[i], "%s/%d.db", f.path, i);
+    return f;
+}
+
+void bench_remove_folder(const bench_folder *folder)
+{
+    for (int i = 0; i < 2; ++i)
+        unlink(folder->stores[i]);
+    rmdir(folder->path);
+}
+
+static void run_side(bench_side *s, bool counts)
+{
+    if (s->begin)
+        s->begin(s->of);
+    uint64_t begun = clock_steady_ns();
+    double cpu = bench_cpu_ms();
+    s->run(s->of);
+    if (!counts)
+        return;
+    series_add(&s->cpu, bench_cpu_ms() - cpu);
+    series_add(&s->ms, (double)(clock_steady_ns() - begun) * 1e-6);
+}
+
+void bench_sides_run(bench_side *sides, uint32_t n, uint32_t runs)
+{
+    for (uint32_t run = 0; run <= runs; ++run)
+        for (uint32_t i = 0; i < n; ++i)
+            run_side(&sides[i], run > 0);
 }
 
 static uint64_t spans_hash(const duet_span *spans, uint32_t n_spans, uint64_t *n_pairs)
@@ -74,24 +130,21 @@ static uint64_t spans_hash(const duet_span *spans, uint32_t n_spans, uint64_t *n
     return hash;
 }
 
-bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans,
-                  duet_error *err)
+void bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans)
 {
     reference_objects objects = {.dims = 3, .shape = DUET_SHAPE_POSES, .n = n, .poses = poses};
     reference_found found = {0};
-    if (!reference_find(&objects, REFERENCE_COLUMNS, &found, err))
-        return false;
+    must(reference_find(&objects, REFERENCE_COLUMNS, &found, ERR));
     uint64_t n_pairs;
     uint64_t hash = spans_hash(spans, n_spans, &n_pairs);
     uint64_t expected = duet_pairs_hash(found.pairs, found.n);
     duet_free(found.pairs);
-    if (n_pairs != found.n || hash != expected)
-        return error_set(err, DUET_STATUS_WRONG_RESULT,
-                         "%" PRIu64 " pairs with hash %016" PRIx64 ", the reference finds %" PRIu64
-                         " with %016" PRIx64,
-                         n_pairs, hash, found.n, expected);
+    must((n_pairs == found.n && hash == expected) ||
+         error_set(ERR, DUET_STATUS_WRONG_RESULT,
+                   "%" PRIu64 " pairs with hash %016" PRIx64 ", the reference finds %" PRIu64
+                   " with %016" PRIx64,
+                   n_pairs, hash, found.n, expected));
     printf("verified: %" PRIu64 " pairs, hash %016" PRIx64 "\n", n_pairs, hash);
-    return true;
 }
 
 static int usage(void)
@@ -178,11 +231,9 @@ int main(int argc, char **argv)
     for (int i = 0; i < N_BENCHES; ++i) {
         if (strcmp(argv[1], benches[i].name) != 0)
             continue;
-        duet_error err = {0};
-        if (benches[i].run(&options, &err))
-            return 0;
-        fprintf(stderr, "duet_bench %s: %s\n", argv[1], err.text);
-        return 1;
+        running = benches[i].name;
+        benches[i].run(&options);
+        return 0;
     }
     return usage();
 }

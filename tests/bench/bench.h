@@ -4,12 +4,23 @@
 // A ratio is taken of medians over runs that alternate: what disturbs one side
 // disturbs the other too. CPU time stands beside it, for a figure of two threads
 // that shared one processor says nothing of two.
+//
+// A call that fails ends the program with a line. What a benchmark makes lasts as long as the
+// program.
 #ifndef BENCH_BENCH_H
 #define BENCH_BENCH_H
 
-#include "paper_scene.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/rng.h"
 #include "runtime/duet.h"
 #include "series.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 typedef struct bench_options {
     const char *device;   // selector of the one device
@@ -24,37 +35,89 @@ typedef struct bench_options {
     bool verify; // compare with the reference first
 } bench_options;
 
-// One benchmark: prints its figures, or fails with a line.
-typedef bool bench_run(const bench_options *options, duet_error *err);
+// X(name, what it compares) for each benchmark.
+// clang-format off
+#define BENCHES(X)                                                                               \
+    X(candidates, "merged rows against the paper's search, on one device")                       \
+    X(share, "two devices against the better one, each way to split")                            \
+    X(step, "a whole step against the AVX2 program and the paper's kernels")                     \
+    X(still, "what effects cost a scene that calls for none")                                    \
+    X(growth, "time an object, up to --n objects")                                               \
+    BENCH_LIMIT(X)                                                                               \
+    X(commands, "bodies that come and go before each step, and the same only woken")             \
+    X(cost, "processor time and instructions of a step of six scenes, for .ci/cost")             \
+    X(generate, "the text of each kernel, and its number of configs")                            \
+    X(lookup, "opening the profile store and looking up, with --n profiles in it")               \
+    X(loss, "plans that are looked up beside fresh tunings, at --runs sizes around --n")         \
+    X(join, "a hundredth of the paper's scene against all of it, and a step of both")            \
+    X(order, "objects at random and in order, on one device and two")                            \
+    X(rays, "a tree over the paper's scene, and as many rays through it")                        \
+    X(spheres, "a million equal spheres, and as many unrotated cubes in their places")           \
+    X(tune, "searches for the share on this machine, one device slowed down")                    \
+    X(tasks, "kernels and share of the example tasks, by each strategy and by all plans")        \
+    X(strategies, "searches for the share on invented device pairs")
+#ifdef BENCH_AVX2
+#define BENCH_LIMIT(X) X(limit, "the AVX2 program alone, stage by stage")
+#else
+#define BENCH_LIMIT(X)
+#endif
+#define BENCH_DECLARE(name, about) void bench_##name(const bench_options *options);
+BENCHES(BENCH_DECLARE)
+// clang-format on
 
-bench_run bench_candidates;
-bench_run bench_cells;
-bench_run bench_commands;
-bench_run bench_cost;
-bench_run bench_generate;
-bench_run bench_growth;
-bench_run bench_join;
-bench_run bench_spheres;
-bench_run bench_limit;
-bench_run bench_lookup;
-bench_run bench_loss;
-bench_run bench_order;
-bench_run bench_rays;
-bench_run bench_share;
-bench_run bench_step;
-bench_run bench_still;
-bench_run bench_strategies;
-bench_run bench_tasks;
-bench_run bench_tune;
+// The value of a call that must succeed, in which ERR stands for the error that it fills.
+#define must(call)                        \
+    __extension__({                       \
+        __typeof__(call) given_ = (call); \
+        if (!given_)                      \
+            bench_fail();                 \
+        given_;                           \
+    })
+#define ERR (&bench_error)
+
+extern duet_error bench_error;
+_Noreturn void bench_fail(void); // ends the program with that error's line
+
+void *bench_alloc(size_t bytes); // zeros
+double bench_cpu_ms(void);       // processor time of all threads
 
 // The device pair that was asked for, else the default one.
-duet_device_pair *bench_pair(const bench_options *options, duet_error *err);
+duet_device_pair *bench_pair(const bench_options *options);
 
-// The paper's scene with n objects; given back by free.
-duet_pose *bench_poses(uint32_t n, const bench_options *options, duet_error *err);
+// The scene of the paper's measurements: n unit cubes with random centres and rotations in a cube
+// that holds one for every eight units of its volume. Given back by free.
+duet_pose *bench_poses(uint32_t n, const bench_options *options);
+float paper_world(uint32_t n); // edge of the cube [0, edge]^3: 200 for a million
 
-// Whether spans hold exactly the pairs that the reference finds.
-bool bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans,
-                  duet_error *err);
+// A rotated unit cube is at most sqrt(3) wide; a little more, so that rounding
+// never makes it wider than its cell.
+#define PAPER_CELL 1.7321f
+
+// A world with the plan of its def on that pair.
+duet_world *bench_world(duet_device_pair *pair, duet_world_def def);
+
+// Fails unless spans hold exactly the pairs that the reference finds.
+void bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans);
+
+// A folder below the one one is in, and paths of files in it, which go with it.
+typedef struct bench_folder {
+    char path[32];
+    char stores[2][48];
+} bench_folder;
+
+bench_folder bench_make_folder(void);
+void bench_remove_folder(const bench_folder *folder);
+
+// What is run in turn with others, and how long it took.
+typedef struct bench_side {
+    const char *name;
+    void (*begin)(void *of); // not timed; may be NULL
+    void (*run)(void *of);
+    void *of;
+    series ms, cpu;
+} bench_side;
+
+// Runs each side so many times, and once before, when kernels are compiled, which does not count.
+void bench_sides_run(bench_side *sides, uint32_t n, uint32_t runs);
 
 #endif

@@ -5,12 +5,6 @@
 // fourth step has no commands: as many bodies are awake in it as in those before.
 #include "bench.h"
 
-#include "base/error.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <time.h>
-
 enum { HIGH = 4, EACH = 25, SETTLING = 60 };
 
 typedef enum kind { REMOVES, WAKES, WAKES_BOTH, KINDS } kind;
@@ -23,11 +17,6 @@ typedef struct subject {
     uint64_t *ids;  // ids of what is altered, and then of what is below
     series cpu, without, commands, contacts;
 } subject;
-
-static double cpu_ms(void)
-{
-    return (double)clock() * 1e3 / CLOCKS_PER_SEC;
-}
 
 static duet_motion_def columns_def(duet_device_pair *pair)
 {
@@ -65,24 +54,24 @@ static uint32_t altered_column(uint32_t i, uint32_t run)
     return EACH * i + run % EACH;
 }
 
-static bool renew(subject *s, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                  uint32_t run, duet_error *err)
+static void renew(subject *s, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                  uint32_t run)
 {
     const duet_body_list list = {.ids = s->ids, .n = n};
-    if (!duet_motion_remove_bodies(s->motion, list, err) ||
-        !duet_motion_add_bodies(s->motion, poses, bodies, n, s->ids, err))
-        return false;
+    must(duet_motion_remove_bodies(s->motion, list, ERR));
+    must(duet_motion_add_bodies(s->motion, poses, bodies, n, s->ids, ERR));
     for (uint32_t i = 0; i < n; ++i)
         s->tops[altered_column(i, run)] = s->ids[i];
-    return true;
 }
 
-static bool alter(subject *s, kind k, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                  uint32_t run, duet_error *err)
+static void alter(subject *s, kind k, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                  uint32_t run)
 {
     const duet_body_list list = {.ids = s->ids, .n = k == WAKES_BOTH ? 2 * n : n};
-    return k == REMOVES ? renew(s, poses, bodies, n, run, err)
-                        : duet_motion_wake_bodies(s->motion, list, err);
+    if (k == REMOVES)
+        renew(s, poses, bodies, n, run);
+    else
+        must(duet_motion_wake_bodies(s->motion, list, ERR));
 }
 
 static void choose(subject *s, uint32_t n, uint32_t run)
@@ -93,59 +82,52 @@ static void choose(subject *s, uint32_t n, uint32_t run)
     }
 }
 
-static bool step(subject *s, kind k, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                 uint32_t run, duet_error *err)
+static void step(subject *s, kind k, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                 uint32_t run)
 {
     duet_motion_result result;
     bool with = run % 4 < 3;
     choose(s, n, run);
-    double begun = cpu_ms();
-    if (with && !alter(s, k, poses, bodies, n, run, err))
-        return false;
-    double told = cpu_ms();
-    if (!duet_motion_advance(s->motion, &result, err))
-        return false;
-    series_add(with ? &s->cpu : &s->without, cpu_ms() - begun);
+    double begun = bench_cpu_ms();
+    if (with)
+        alter(s, k, poses, bodies, n, run);
+    double told = bench_cpu_ms();
+    must(duet_motion_advance(s->motion, &result, ERR));
+    series_add(with ? &s->cpu : &s->without, bench_cpu_ms() - begun);
     if (with)
         series_add(&s->commands, told - begun);
     series_add(&s->contacts, (double)result.contacts);
-    return true;
 }
 
-static bool open_subject(subject *s, duet_device_pair *pair, const duet_pose *poses,
-                         const duet_body *bodies, uint32_t n, duet_error *err)
+static subject open_subject(duet_device_pair *pair, const duet_pose *poses, const duet_body *bodies,
+                            uint32_t n)
 {
     duet_motion_def def = columns_def(pair);
     duet_motion_result result;
-    uint32_t n_altered = n / (HIGH * EACH);
-    s->ids = malloc(2 * n_altered * sizeof *s->ids + 1);
-    s->tops = malloc(n / HIGH * sizeof *s->tops + 1);
-    s->motion = s->ids && s->tops ? duet_motion_create(&def, poses, bodies, n, err) : NULL;
-    bool ok = s->motion;
-    for (uint32_t c = 0; ok && c < n / HIGH; ++c)
-        s->tops[c] = HIGH * c + HIGH - 1;
-    for (int i = 0; ok && i < SETTLING; ++i)
-        ok = duet_motion_advance(s->motion, &result, err);
-    return ok;
+    subject s = {.motion = must(duet_motion_create(&def, poses, bodies, n, ERR)),
+                 .ids = bench_alloc(2 * (n / (HIGH * EACH)) * sizeof *s.ids),
+                 .tops = bench_alloc(n / HIGH * sizeof *s.tops)};
+    for (uint32_t c = 0; c < n / HIGH; ++c)
+        s.tops[c] = HIGH * c + HIGH - 1;
+    for (int i = 0; i < SETTLING; ++i)
+        must(duet_motion_advance(s.motion, &result, ERR));
+    return s;
 }
 
-static bool measure(subject *all, const duet_pose *poses, const duet_body *bodies, uint32_t n,
-                    uint32_t runs, duet_error *err)
+static void measure(subject *all, const duet_pose *poses, const duet_body *bodies, uint32_t n,
+                    uint32_t runs)
 {
     enum { WARM = 40 }; // altered bodies sleep again after 30 steps
-    duet_pose *tops = malloc((n + 1) * sizeof *tops);
-    bool ok = tops || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
-    for (uint32_t run = 0; ok && run < runs + WARM; ++run) {
+    duet_pose *tops = bench_alloc(n * sizeof *tops);
+    for (uint32_t run = 0; run < runs + WARM; ++run) {
         for (uint32_t i = 0; i < n; ++i)
             tops[i] = poses[HIGH * altered_column(i, run) + HIGH - 1];
-        for (int k = 0; ok && k < KINDS; ++k) {
+        for (int k = 0; k < KINDS; ++k) {
             if (run == WARM)
                 all[k].cpu.n = all[k].without.n = all[k].commands.n = all[k].contacts.n = 0;
-            ok = step(&all[k], (kind)k, tops, bodies, n, run, err);
+            step(&all[k], (kind)k, tops, bodies, n, run);
         }
     }
-    free(tops);
-    return ok;
 }
 
 static void print(const subject *all, uint32_t n)
@@ -161,29 +143,16 @@ static void print(const subject *all, uint32_t n)
     }
 }
 
-bool bench_commands(const bench_options *options, duet_error *err)
+void bench_commands(const bench_options *options)
 {
     uint32_t n = options->n ? options->n : 100000, n_altered = n / (HIGH * EACH);
-    duet_pose *poses = malloc(n * sizeof *poses);
-    duet_body *bodies = malloc(n * sizeof *bodies);
-    subject *all = calloc(KINDS, sizeof *all);
-    duet_device_pair *pair = poses && bodies && all ? bench_pair(options, err) : NULL;
-    bool ok = pair || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
-    if (ok)
-        fill_columns(poses, bodies, n);
-    for (int k = 0; ok && k < KINDS; ++k)
-        ok = open_subject(&all[k], pair, poses, bodies, n, err);
-    ok = ok && measure(all, poses, bodies, n_altered, options->runs, err);
-    if (ok)
-        print(all, n_altered);
-    for (int k = 0; all && k < KINDS; ++k) {
-        duet_motion_destroy(all[k].motion);
-        free(all[k].ids);
-        free(all[k].tops);
-    }
-    duet_device_pair_destroy(pair);
-    free(all);
-    free(bodies);
-    free(poses);
-    return ok;
+    duet_pose *poses = bench_alloc(n * sizeof *poses);
+    duet_body *bodies = bench_alloc(n * sizeof *bodies);
+    duet_device_pair *pair = bench_pair(options);
+    static subject all[KINDS];
+    fill_columns(poses, bodies, n);
+    for (int k = 0; k < KINDS; ++k)
+        all[k] = open_subject(pair, poses, bodies, n);
+    measure(all, poses, bodies, n_altered, options->runs);
+    print(all, n_altered);
 }

@@ -8,15 +8,8 @@
 #define _GNU_SOURCE
 #include "bench.h"
 
-#include "base/error.h"
-
-#include <inttypes.h>
 #include <linux/perf_event.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <sys/syscall.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef enum kind { STILL, MOVING, RAYS } kind;
@@ -46,25 +39,23 @@ typedef struct subject {
     duet_ray *rays; // one from each object
 } subject;
 
-static bool open_world(subject *s, duet_device_pair *pair, duet_error *err)
+static void open_world(subject *s, duet_device_pair *pair)
 {
-    duet_world_def def = duet_scene_world_def(s->scene, pair);
-    s->world = duet_world_create(&def, err);
-    return s->world && duet_world_set_scene(s->world, s->scene, err);
+    s->world = bench_world(pair, duet_scene_world_def(s->scene, pair));
+    must(duet_world_set_scene(s->world, s->scene, ERR));
 }
 
-static bool open_motion(subject *s, duet_device_pair *pair, duet_error *err)
+static void open_motion(subject *s, duet_device_pair *pair)
 {
     duet_motion_def def = duet_scene_motion_def(s->scene, pair);
-    s->motion = duet_motion_create_from_scene(&def, s->scene, NULL, err);
-    return s->motion;
+    s->motion = must(duet_motion_create_from_scene(&def, s->scene, NULL, ERR));
 }
 
 // From each object's centre towards another's.
 static duet_ray *make_rays(const duet_pose *poses, uint32_t n)
 {
-    duet_ray *rays = calloc(n, sizeof *rays);
-    for (uint32_t i = 0; rays && i < n; ++i) {
+    duet_ray *rays = bench_alloc(n * sizeof *rays);
+    for (uint32_t i = 0; i < n; ++i) {
         const duet_pose *to = &poses[(i * UINT64_C(7919) + 1) % n];
         for (int k = 0; k < 3; ++k) {
             rays[i].origin[k] = poses[i].centre[k];
@@ -75,32 +66,25 @@ static duet_ray *make_rays(const duet_pose *poses, uint32_t n)
     return rays;
 }
 
-static bool open_tree(subject *s, duet_device_pair *pair, duet_error *err)
+static void open_tree(subject *s, duet_device_pair *pair)
 {
     duet_tree_def tree_def = duet_default_tree_def();
     duet_ray_query_def def = duet_default_ray_query_def();
     tree_def.pair = pair;
-    s->tree = def.tree = duet_tree_create(&tree_def, err);
-    s->query = s->tree ? duet_ray_query_create(&def, err) : NULL;
+    s->tree = def.tree = must(duet_tree_create(&tree_def, ERR));
+    s->query = must(duet_ray_query_create(&def, ERR));
     s->rays = make_rays(duet_scene_get_objects(s->scene, DUET_OBJECT_POSES),
                         duet_scene_get_info(s->scene)->n);
-    return s->query && (s->rays || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for rays"));
 }
 
-static bool subject_open(subject *s, uint32_t c, duet_device_pair *pair, duet_error *err)
+static subject subject_open(uint32_t c, duet_device_pair *pair)
 {
+    static void (*const opens[])(subject * s, duet_device_pair * pair) = {
+        [STILL] = open_world, [MOVING] = open_motion, [RAYS] = open_tree};
     const duet_setting setting = {"n", cases[c].n};
-    s->scene = duet_scene_load(cases[c].scene, &setting, 1, err);
-    if (!s->scene)
-        return false;
-    switch (cases[c].kind) {
-    case MOVING:
-        return open_motion(s, pair, err);
-    case RAYS:
-        return open_tree(s, pair, err);
-    default:
-        return open_world(s, pair, err);
-    }
+    subject s = {.scene = must(duet_scene_load(cases[c].scene, &setting, 1, ERR))};
+    opens[cases[c].kind](&s, pair);
+    return s;
 }
 
 static void subject_close(subject *s)
@@ -113,20 +97,22 @@ static void subject_close(subject *s)
     free(s->rays);
 }
 
-static bool subject_step(subject *s, duet_error *err)
+static void subject_step(subject *s)
 {
     duet_result result;
     duet_motion_result moved;
     duet_ray_query_result cast;
-    if (s->motion)
-        return duet_motion_advance(s->motion, &moved, err);
-    if (s->world) // its objects are sent anew each time
-        return duet_world_set_scene(s->world, s->scene, err) &&
-               duet_world_step(s->world, &result, err);
     uint32_t n = duet_scene_get_info(s->scene)->n;
-    const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
-    return duet_tree_set_objects(s->tree, DUET_OBJECT_POSES, poses, n, err) &&
-           duet_ray_query_run(s->query, s->rays, n, &cast, err);
+    if (s->motion) {
+        must(duet_motion_advance(s->motion, &moved, ERR));
+    } else if (s->world) { // its objects are sent anew each time
+        must(duet_world_set_scene(s->world, s->scene, ERR));
+        must(duet_world_step(s->world, &result, ERR));
+    } else {
+        const duet_pose *poses = duet_scene_get_objects(s->scene, DUET_OBJECT_POSES);
+        must(duet_tree_set_objects(s->tree, DUET_OBJECT_POSES, poses, n, ERR));
+        must(duet_ray_query_run(s->query, s->rays, n, &cast, ERR));
+    }
 }
 
 // Counts instructions of this thread, and of all that are started later. -1: not allowed here.
@@ -147,24 +133,17 @@ static double read_counter(int counter)
     return counter >= 0 && read(counter, &n, sizeof n) == sizeof n ? (double)n : 0;
 }
 
-static double cpu_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
-
 // Arithmetic and scattered reads within a core's own cache; takes some 1 ms.
 static double calibrate(void)
 {
     enum { N = 1 << 14, READS = 1 << 19 };
     static float values[N];
-    double begun = cpu_ms();
+    double begun = bench_cpu_ms();
     for (uint32_t i = 0, at = 1; i < READS; ++i) {
         at = at * 1664525u + 1013904223u;
         values[at % N] = values[i % N] * 0.5f + (float)i;
     }
-    double took = cpu_ms() - begun;
+    double took = bench_cpu_ms() - begun;
     return values[1] < 0 ? INFINITY : took; // never: the loop is needed for that
 }
 
@@ -178,52 +157,42 @@ typedef struct round_cost {
     double ms, instructions; // time of all steps that count
 } round_cost;
 
-static bool run_round(subject *s, uint32_t c, meters *m, round_cost *cost, duet_error *err)
+static round_cost run_round(subject *s, uint32_t c, meters *m)
 {
+    round_cost cost = {0};
     for (uint32_t i = 0; i < cases[c].skipped + cases[c].steps; ++i) {
         m->loop_ms = fmin(m->loop_ms, calibrate());
-        double counted = read_counter(m->instructions), begun = cpu_ms();
-        if (!subject_step(s, err))
-            return false;
+        double counted = read_counter(m->instructions), begun = bench_cpu_ms();
+        subject_step(s);
         if (i < cases[c].skipped)
             continue;
-        cost->ms += cpu_ms() - begun;
-        cost->instructions += read_counter(m->instructions) - counted;
+        cost.ms += bench_cpu_ms() - begun;
+        cost.instructions += read_counter(m->instructions) - counted;
     }
-    return true;
+    return cost;
 }
 
 // The least of all rounds, because disturbances only add.
-static bool measure(uint32_t c, duet_device_pair *pair, uint32_t rounds, meters *m, duet_error *err)
+static void measure(uint32_t c, duet_device_pair *pair, uint32_t rounds, meters *m)
 {
     series ms = {0}, instructions = {0};
-    bool ok = true;
-    for (uint32_t round = 0; ok && round < rounds; ++round) {
-        subject s = {0};
-        round_cost cost = {0};
-        ok = subject_open(&s, c, pair, err) && run_round(&s, c, m, &cost, err);
+    for (uint32_t round = 0; round < rounds; ++round) {
+        subject s = subject_open(c, pair);
+        round_cost cost = run_round(&s, c, m);
         subject_close(&s);
         series_add(&ms, cost.ms / cases[c].steps);
         series_add(&instructions, cost.instructions * 1e-6 / cases[c].steps);
     }
-    if (ok)
-        printf("%-8s %9.3f %10.3f %9.3f\n", cases[c].name, series_least(&ms) / m->loop_ms,
-               series_least(&instructions), series_least(&ms));
-    return ok;
+    printf("%-8s %9.3f %10.3f %9.3f\n", cases[c].name, series_least(&ms) / m->loop_ms,
+           series_least(&instructions), series_least(&ms));
 }
 
-bool bench_cost(const bench_options *options, duet_error *err)
+void bench_cost(const bench_options *options)
 {
     meters m = {.instructions = open_counter(), .loop_ms = INFINITY};
     duet_device_pair *pair =
-        options->device_a ? bench_pair(options, err) : duet_device_pair_open("halves", err);
-    bool ok = pair;
-    if (ok)
-        printf("%-8s %9s %10s %9s\n", "scene", "cost", "M_instr", "ms");
-    for (uint32_t c = 0; ok && c < N_CASES; ++c)
-        ok = measure(c, pair, options->runs, &m, err);
-    duet_device_pair_destroy(pair);
-    if (m.instructions >= 0)
-        close(m.instructions);
-    return ok;
+        options->device_a ? bench_pair(options) : must(duet_device_pair_open("halves", ERR));
+    printf("%-8s %9s %10s %9s\n", "scene", "cost", "M_instr", "ms");
+    for (uint32_t c = 0; c < N_CASES; ++c)
+        measure(c, pair, options->runs, &m);
 }

@@ -2,13 +2,7 @@
 // The AVX2 program alone, stage by stage.
 #include "bench.h"
 
-#include "base/error.h"
 #include "limit_avx2.h"
-
-#include <inttypes.h>
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 enum { THREADS = 2 };
 
@@ -28,46 +22,31 @@ static const struct {
 
 enum { N_ROWS = sizeof rows / sizeof rows[0] };
 
-static bool run_all(limit *l, const duet_pose *poses, const bench_options *options,
-                    series columns[N_ROWS], duet_error *err)
+void bench_limit(const bench_options *options)
 {
+    must((__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) ||
+         error_set(ERR, DUET_STATUS_NOT_FOUND, "this processor has no AVX2 and FMA"));
+    uint32_t n = options->n ? options->n : 1000000;
+    const duet_pose *poses = bench_poses(n, options);
+    limit *l = limit_open(n, paper_world(n), PAPER_CELL, THREADS);
+    series columns[N_ROWS] = {0};
+    must(l || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n));
     for (uint32_t run = 0; run < options->runs; ++run) {
         limit_times times;
-        if (!limit_run(l, poses, &times))
-            return error_set(err, DUET_STATUS_TOO_MANY,
-                             "more pairs than the AVX2 program has space for");
+        must(limit_run(l, poses, &times) ||
+             error_set(ERR, DUET_STATUS_TOO_MANY, "more pairs than the program has space for"));
         for (int i = 0; i < N_ROWS; ++i)
             series_add(&columns[i], *(const double *)((const char *)&times + rows[i].offset));
     }
-    return true;
-}
-
-bool bench_limit(const bench_options *options, duet_error *err)
-{
-    if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-        return error_set(err, DUET_STATUS_NOT_FOUND, "this processor has no AVX2 and FMA");
-    uint32_t n = options->n ? options->n : 1000000;
-    duet_pose *poses = paper_poses(n, options->seed);
-    limit *l = limit_open(n, paper_world(n), PAPER_CELL, THREADS);
-    series columns[N_ROWS] = {0};
-    bool ok = poses && l;
-    if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n);
-    ok = ok && run_all(l, poses, options, columns, err);
-    if (ok) {
-        printf("%u objects, %u runs: median and least, ms\n", n, options->runs);
-        for (int i = 0; i < N_ROWS; ++i)
-            printf("%-12s %8.2f %8.2f\n", rows[i].name, series_median(&columns[i]),
-                   series_least(&columns[i]));
-        duet_span spans[THREADS];
-        for (uint32_t t = 0; t < THREADS; ++t)
-            spans[t] = limit_span(l, t);
-        printf("%" PRIu64 " candidates, %" PRIu64 " pairs, %" PRIu64 " left open by float\n",
-               limit_candidates(l), spans[0].n + spans[1].n, limit_open_pairs(l));
-        if (options->verify)
-            ok = bench_verify(poses, n, spans, THREADS, err);
-    }
-    limit_close(l);
-    free(poses);
-    return ok;
+    printf("%u objects, %u runs: median and least, ms\n", n, options->runs);
+    for (int i = 0; i < N_ROWS; ++i)
+        printf("%-12s %8.2f %8.2f\n", rows[i].name, series_median(&columns[i]),
+               series_least(&columns[i]));
+    duet_span spans[THREADS];
+    for (uint32_t t = 0; t < THREADS; ++t)
+        spans[t] = limit_span(l, t);
+    printf("%" PRIu64 " candidates, %" PRIu64 " pairs, %" PRIu64 " left open by float\n",
+           limit_candidates(l), spans[0].n + spans[1].n, limit_open_pairs(l));
+    if (options->verify)
+        bench_verify(poses, n, spans, THREADS);
 }

@@ -5,21 +5,11 @@
 //
 // If both devices are CPUs a step takes the processor time of the host and of the busiest other
 // thread: on a busy machine the clock tells of other programs. Else it takes what the clock says.
-#define _POSIX_C_SOURCE 200809L
 #include "bench.h"
 #include "thread_times.h"
 
 #include "base/compare.h"
-#include "base/error.h"
-#include "base/rng.h"
 #include "tuner/duet_tune.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 enum { WARM_UP = 3, ROUNDS = 31 };
 
@@ -34,80 +24,71 @@ enum { N_SCENES = sizeof scenes / sizeof *scenes };
 typedef struct losses {
     duet_device_pair *pair;
     bool by_clock;
-    char folder[32];
-    char known[64];       // the store that is looked up in
-    char fresh[64];       // the one of fresh tunings
+    const char *known;    // the store that is looked up in
+    const char *fresh;    // the one of fresh tunings
     series behind[PLANS]; // %
 } losses;
 
-static duet_scene *load(const char *name, uint32_t n, uint64_t seed, duet_error *err)
+static duet_scene *load(const char *name, uint32_t n, uint64_t seed)
 {
     char number[16], chosen[24];
     snprintf(number, sizeof number, "%u", n);
     snprintf(chosen, sizeof chosen, "%" PRIu64, seed);
     duet_setting settings[] = {{"n", number}, {"seed", chosen}};
-    return duet_scene_load(name, settings, 2, err);
+    return must(duet_scene_load(name, settings, 2, ERR));
 }
 
-static bool tune(const losses *l, const duet_scene *scene, const char *store, uint64_t seed,
-                 duet_tune_outcome *outcome, duet_error *err)
+static duet_tune_outcome tune(const losses *l, const duet_scene *scene, const char *store,
+                              uint64_t seed)
 {
     duet_tune_def def = duet_default_tune_def();
+    duet_tune_outcome outcome;
     def.pair = l->pair;
     def.scene = scene;
     def.store = store;
     def.seed = seed;
-    return duet_tune_run(&def, outcome, err);
+    must(duet_tune_run(&def, &outcome, ERR));
+    return outcome;
 }
 
-static bool fill(const losses *l, uint32_t n, uint64_t seed, duet_error *err)
+static void fill(const losses *l, uint32_t n, uint64_t seed)
 {
     for (int i = -1; i <= 2; ++i) {
-        duet_tune_outcome outcome;
-        duet_scene *scene = load("paper", (uint32_t)ldexp(n, i), seed, err);
-        bool ok = scene && tune(l, scene, l->known, seed, &outcome, err);
+        duet_scene *scene = load("paper", (uint32_t)ldexp(n, i), seed);
+        duet_tune_outcome outcome = tune(l, scene, l->known, seed);
         duet_scene_destroy(scene);
-        if (!ok)
-            return false;
         printf("stored: %u objects, share %.4f, mode %s, %s, %s, %.3f ms, gain %+.1f %% %s\n",
                outcome.objects, outcome.plan.share / (double)DUET_SHARE_ONE,
                duet_mode_name(outcome.plan.mode), outcome.plan.variant_a, outcome.plan.variant_b,
                outcome.step_ms, 100 * outcome.gain, outcome.verdict);
     }
-    return true;
 }
 
 // A world for each plan, so that none pays for the change to its kernels.
-static bool step(const losses *l, duet_world *world, double *ms, duet_error *err)
+static double step(const losses *l, duet_world *world)
 {
     thread_times before, now;
     duet_result result;
-    if (!duet_world_step(world, &result, err)) // fills the caches that the others emptied
-        return false;
+    must(duet_world_step(world, &result, ERR)); // fills the caches that the others emptied
     thread_times_read(&before);
-    if (!duet_world_step(world, &result, err))
-        return false;
+    must(duet_world_step(world, &result, ERR));
     thread_times_read(&now);
-    *ms = l->by_clock ? result.total_ms : thread_times_since_ms(&before, &now);
-    return true;
+    return l->by_clock ? result.total_ms : thread_times_since_ms(&before, &now);
 }
 
 // By the median ratio of a round's times, in %.
-static bool race(const losses *l, duet_world *const worlds[PLANS], double behind[PLANS],
-                 duet_error *err)
+static void race(const losses *l, duet_world *const worlds[PLANS], double behind[PLANS])
 {
     series ratios[PLANS] = {0};
     for (int round = -WARM_UP; round < ROUNDS; ++round) {
         double ms[PLANS];
         for (int i = 0; i < PLANS; ++i)
-            if (!step(l, worlds[i], &ms[i], err))
-                return false;
+            ms[i] = step(l, worlds[i]);
         for (int i = 0; round >= 0 && i < PLANS; ++i)
             series_add(&ratios[i], ms[LOOKED_UP] / ms[i]);
     }
     for (int i = 0; i < PLANS; ++i)
         behind[i] = 100 * (series_median(&ratios[i]) - 1);
-    return true;
 }
 
 static void print_plan(const duet_plan *plan)
@@ -116,22 +97,19 @@ static void print_plan(const duet_plan *plan)
            plan->variant_a, plan->variant_b);
 }
 
-static bool compare(losses *l, const duet_scene *scene, uint64_t seed,
-                    duet_world *const worlds[PLANS], duet_error *err)
+static void compare(losses *l, const duet_scene *scene, uint64_t seed,
+                    duet_world *const worlds[PLANS])
 {
     double behind[PLANS];
     duet_profile profile;
-    duet_tune_outcome outcome;
     for (int i = 0; i < PLANS; ++i)
-        if (!duet_world_set_scene(worlds[i], scene, err))
-            return false;
-    if (!duet_world_load_profile(worlds[LOOKED_UP], l->known, &profile, err) ||
-        !tune(l, scene, l->fresh, seed, &outcome, err))
-        return false;
-    bool is_default = profile.grade >= DUET_GRADE_STALE;
-    if ((!is_default && !duet_world_set_plan(worlds[AGAIN], &profile.plan, err)) ||
-        !duet_world_set_plan(worlds[TUNED], &outcome.plan, err) || !race(l, worlds, behind, err))
-        return false;
+        must(duet_world_set_scene(worlds[i], scene, ERR));
+    must(duet_world_load_profile(worlds[LOOKED_UP], l->known, &profile, ERR));
+    duet_tune_outcome outcome = tune(l, scene, l->fresh, seed);
+    if (profile.grade < DUET_GRADE_STALE)
+        must(duet_world_set_plan(worlds[AGAIN], &profile.plan, ERR));
+    must(duet_world_set_plan(worlds[TUNED], &outcome.plan, ERR));
+    race(l, worlds, behind);
     for (int i = 0; i < PLANS; ++i)
         series_add(&l->behind[i], behind[i]);
     printf(" | %-12s", duet_grade_name(profile.grade));
@@ -139,27 +117,23 @@ static bool compare(losses *l, const duet_scene *scene, uint64_t seed,
         print_plan(duet_world_get_plan(worlds[i]));
     printf(" | %+6.1f %% | %+6.1f %% | %+6.1f %% |\n", behind[TUNED], behind[DEFAULT],
            behind[AGAIN]);
-    return true;
+    fflush(stdout);
 }
 
-static bool draw(losses *l, uint32_t n, rng *r, duet_error *err)
+static void draw(losses *l, uint32_t n, rng *r)
 {
     const char *name = scenes[rng_below(r, N_SCENES)];
     uint64_t seed = 1 + rng_below(r, 1000);
     uint32_t drawn = (uint32_t)(n * exp2(rng_between(r, -2, 3)));
-    duet_scene *scene = load(name, drawn, seed, err);
-    duet_world_def def = duet_scene_world_def(scene, l->pair);
-    duet_world *worlds[PLANS] = {0};
-    bool ok = scene;
-    for (int i = 0; ok && i < PLANS; ++i)
-        ok = (worlds[i] = duet_world_create(&def, err)) != NULL;
+    duet_scene *scene = load(name, drawn, seed);
+    duet_world *worlds[PLANS];
+    for (int i = 0; i < PLANS; ++i)
+        worlds[i] = bench_world(l->pair, duet_scene_world_def(scene, l->pair));
     printf("| %-9s | %8u", name, drawn);
-    ok = ok && compare(l, scene, seed, worlds, err);
-    fflush(stdout);
+    compare(l, scene, seed, worlds);
     for (int i = 0; i < PLANS; ++i)
         duet_world_destroy(worlds[i]);
     duet_scene_destroy(scene);
-    return ok;
 }
 
 static void print_losses(const char *name, const series *s)
@@ -181,31 +155,23 @@ static bool is_cpu(const losses *l, int device)
     return duet_device_pair_get_info(l->pair, device)->kind == DUET_KIND_CPU;
 }
 
-bool bench_loss(const bench_options *options, duet_error *err)
+void bench_loss(const bench_options *options)
 {
     uint32_t n = options->n ? options->n : 200000;
     rng r = rng_seed(options->seed);
-    losses l = {.folder = "bench_loss.XXXXXX"};
-    if (!mkdtemp(l.folder))
-        return error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be made here", l.folder);
-    snprintf(l.known, sizeof l.known, "%s/known.db", l.folder);
-    snprintf(l.fresh, sizeof l.fresh, "%s/fresh.db", l.folder);
-    l.pair = bench_pair(options, err);
-    l.by_clock = l.pair && !(is_cpu(&l, 0) && is_cpu(&l, 1));
-    bool ok = l.pair && fill(&l, n, options->seed, err);
-    if (ok)
-        printf("| scene | objects | grade | looked up | tuned | default | behind tuned | behind "
-               "default | behind itself |\n|---|---|---|---|---|---|---|---|---|\n");
-    for (uint32_t i = 0; ok && i < options->runs; ++i)
-        ok = draw(&l, n, &r, err);
-    if (ok) {
-        print_losses("a tuning", &l.behind[TUNED]);
-        print_losses("the default", &l.behind[DEFAULT]);
-        print_losses("itself, noise", &l.behind[AGAIN]);
-    }
-    unlink(l.known);
-    unlink(l.fresh);
-    rmdir(l.folder);
-    duet_device_pair_destroy(l.pair);
-    return ok;
+    bench_folder folder = bench_make_folder();
+    static losses l;
+    l.known = folder.stores[0];
+    l.fresh = folder.stores[1];
+    l.pair = bench_pair(options);
+    l.by_clock = !(is_cpu(&l, 0) && is_cpu(&l, 1));
+    fill(&l, n, options->seed);
+    printf("| scene | objects | grade | looked up | tuned | default | behind tuned | behind "
+           "default | behind itself |\n|---|---|---|---|---|---|---|---|---|\n");
+    for (uint32_t i = 0; i < options->runs; ++i)
+        draw(&l, n, &r);
+    print_losses("a tuning", &l.behind[TUNED]);
+    print_losses("the default", &l.behind[DEFAULT]);
+    print_losses("itself, noise", &l.behind[AGAIN]);
+    bench_remove_folder(&folder);
 }

@@ -5,13 +5,8 @@
 // device, show what there is to be had where nothing is shared but memory.
 #include "bench.h"
 
-#include "base/error.h"
 #include "subject.h"
 #include "workers.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 enum { ALONE_A, ALONE_B, OWN, SHARED, SLAB, N };
 
@@ -28,9 +23,9 @@ static const struct {
 };
 
 // The time of the better one of the devices alone.
-static double alone(const subject subjects[N], double (*value)(const subject *))
+static double alone(subject *const subjects[N], double (*value)(const subject *))
 {
-    return fmin(value(&subjects[ALONE_A]), value(&subjects[ALONE_B]));
+    return fmin(value(subjects[ALONE_A]), value(subjects[ALONE_B]));
 }
 
 static double search_median(const subject *s)
@@ -51,69 +46,54 @@ static double step_least(const subject *s)
 // ---------------------------------------------------------------- two halves
 
 typedef struct halves {
-    subject each[2];
+    subject *each[2];
     workers *workers;
-    bool ok[2];
-    duet_error errs[2];
     series total; // the longer one's
 } halves;
 
-static bool halves_open(halves *h, const subject_def *whole, duet_error *err)
+static void halves_open(halves *h, const subject_def *whole)
 {
     h->workers = workers_open(2);
-    bool ok = h->workers || error_set(err, DUET_STATUS_NO_MEMORY, "no second thread");
-    for (int i = 0; ok && i < 2; ++i) {
+    must(h->workers || error_set(ERR, DUET_STATUS_NO_MEMORY, "no second thread"));
+    for (int i = 0; i < 2; ++i) {
         subject_def def = *whole;
         def.n = whole->n / 2;
         def.share = i == 0 ? DUET_SHARE_ONE : 0;
-        ok = subject_open(&h->each[i], &def, err);
+        h->each[i] = subject_open(def);
     }
-    return ok;
-}
-
-static void halves_close(halves *h)
-{
-    for (int i = 0; i < 2; ++i)
-        subject_close(&h->each[i]);
-    workers_close(h->workers);
 }
 
 static void step_half(void *context, uint32_t worker)
 {
-    halves *h = context;
-    h->ok[worker] = subject_step(&h->each[worker], &h->errs[worker]);
+    subject_step(((halves *)context)->each[worker]);
 }
 
-static bool halves_step(halves *h, duet_error *err)
+static void halves_step(halves *h)
 {
     workers_run(h->workers, step_half, h);
-    for (int i = 0; i < 2; ++i)
-        if (!h->ok[i])
-            return error_set(err, h->errs[i].status, "%s", h->errs[i].text);
-    series_add(&h->total, fmax(h->each[0].last.total_ms, h->each[1].last.total_ms));
-    return true;
+    series_add(&h->total, fmax(h->each[0]->last.total_ms, h->each[1]->last.total_ms));
 }
 
 // ---------------------------------------------------------------- all
 
-static void print(const subject subjects[N], const halves *h)
+static void print(subject *const subjects[N], const halves *h)
 {
     static const struct {
         const char *name;
         double (*value)(const subject *);
     } columns[] = {{"search", search_median}, {"step", step_median}, {"least step", step_least}};
     enum { N_COLUMNS = sizeof columns / sizeof columns[0] };
-    printf("%u objects\n%-20s", subjects[0].def.n, "ms");
+    printf("%u objects\n%-20s", subjects[0]->def.n, "ms");
     for (int c = 0; c < N_COLUMNS; ++c)
         printf(" %10s %8s", columns[c].name, "to alone");
     printf(" %10s\n", "CPU time");
     for (int i = 0; i < N; ++i) {
         printf("%-20s", splits[i].name);
         for (int c = 0; c < N_COLUMNS; ++c) {
-            double ms = columns[c].value(&subjects[i]);
+            double ms = columns[c].value(subjects[i]);
             printf(" %10.2f %8.2f", ms, ms / alone(subjects, columns[c].value));
         }
-        printf(" %10.2f\n", series_median(&subjects[i].cpu));
+        printf(" %10.2f\n", series_median(&subjects[i]->cpu));
     }
     double median = series_median(&h->total), least = series_least(&h->total);
     printf("%-20s %19s %10.2f %8.2f %10.2f %8.2f\n", "two worlds of half", "", median,
@@ -121,33 +101,25 @@ static void print(const subject subjects[N], const halves *h)
     printf("wanted: search at most 0.62 of the better device alone; slab's step 0.58\n");
 }
 
-bool bench_share(const bench_options *options, duet_error *err)
+void bench_share(const bench_options *options)
 {
     uint32_t n = options->n ? options->n : 500000;
-    duet_pose *poses = bench_poses(n, options, err);
-    subject *subjects = calloc(N, sizeof *subjects);
-    halves h = {0};
-    bool ok = poses && subjects;
-    for (int i = 0; ok && i < N; ++i) {
-        subject_def def = {.name = splits[i].name,
-                           .device_a = options->device_a,
-                           .device_b = options->device_b,
-                           .variant = "simd",
-                           .mode = splits[i].mode,
-                           .share = splits[i].share,
-                           .poses = poses,
-                           .n = n};
-        ok = subject_open(&subjects[i], &def, err);
+    const duet_pose *poses = bench_poses(n, options);
+    subject *subjects[N];
+    static halves h;
+    for (int i = 0; i < N; ++i)
+        subjects[i] = subject_open((subject_def){.name = splits[i].name,
+                                                 .device_a = options->device_a,
+                                                 .device_b = options->device_b,
+                                                 .variant = "simd",
+                                                 .mode = splits[i].mode,
+                                                 .share = splits[i].share,
+                                                 .poses = poses,
+                                                 .n = n});
+    halves_open(&h, &subjects[OWN]->def);
+    for (uint32_t run = 0; run < options->runs; ++run) {
+        subjects_step(subjects, N, 1);
+        halves_step(&h);
     }
-    ok = ok && halves_open(&h, &subjects[OWN].def, err);
-    for (uint32_t run = 0; ok && run < options->runs; ++run)
-        ok = subjects_step(subjects, N, 1, err) && halves_step(&h, err);
-    if (ok)
-        print(subjects, &h);
-    halves_close(&h);
-    for (int i = 0; subjects && i < N; ++i)
-        subject_close(&subjects[i]);
-    free(subjects);
-    free(poses);
-    return ok;
+    print(subjects, &h);
 }

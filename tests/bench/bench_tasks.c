@@ -14,18 +14,10 @@
 #include "bench.h"
 #include "part_times.h"
 
-#include "base/clock.h"
-#include "base/error.h"
-#include "base/rng.h"
 #include "runtime/task/task.h"
 #include "tuner/stats.h"
 #include "tuner/subject.h"
 #include "tuner/tune.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const struct {
     const char *name;
@@ -65,15 +57,6 @@ static void leave_out_lost(measure_launch *launch)
     *longer = *longer > lost + 1000 ? *longer - lost : 1000;
     launch->total_ns = launch->total_ns - lost > *longer ? launch->total_ns - lost : *longer;
     launch->use = (core_use){0};
-}
-
-static bool launch_alone(subject *s, const duet_plan *plan, bool staged, measure_launch *launch,
-                         duet_error *err)
-{
-    if (!s->kind->machine.launch(s, plan, staged, launch, err))
-        return false;
-    leave_out_lost(launch);
-    return true;
 }
 
 // ---------------------------------------------------------------- strategies
@@ -128,7 +111,7 @@ static bool watch(void *context, const duet_tune_progress *p)
 }
 
 // As duet_tune_run does, of such launches.
-static bool find_plan(worker *w, rival *r, trial_log *log, duet_error *err)
+static void find_plan(worker *w, rival *r, trial_log *log)
 {
     subject *s = w->subject;
     const duet_plan usual = duet_default_plan(s->pair);
@@ -143,29 +126,27 @@ static bool find_plan(worker *w, rival *r, trial_log *log, duet_error *err)
         .least_share = tune_least_share(s->units),
     };
     uint64_t begun = clock_steady_ns();
-    bool ok = tune_run(&problem, log, &r->found, err);
+    bool ok = tune_run(&problem, log, &r->found, ERR);
     r->found.seconds = (double)(clock_steady_ns() - begun) * 1e-9;
     r->plan = r->found.plan;
     if (!ok && is_late(w, r->found.seconds)) {
-        *err = (duet_error){0};
-        return error_set(err, DUET_STATUS_INTERRUPTED,
-                         "task %s, %s: not done after %.0f s; expected --seconds %.0f or fewer "
-                         "items",
-                         w->task, w->strategy, w->most_seconds,
-                         ceil(w->most_seconds + w->left_seconds));
+        *ERR = (duet_error){0};
+        error_set(ERR, DUET_STATUS_INTERRUPTED,
+                  "task %s, %s: not done after %.0f s; expected --seconds %.0f or fewer items",
+                  w->task, w->strategy, w->most_seconds, ceil(w->most_seconds + w->left_seconds));
     }
-    return ok;
+    must(ok);
 }
 
-static bool tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r, trial_log *log,
-                 const bench_options *options, duet_error *err)
+static void tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r, trial_log *log,
+                 const bench_options *options)
 {
     subject s = {0};
     bool is_brute = r->name == names[0];
     worker w = {.subject = &s,
                 .task = t->name,
                 .strategy = r->name,
-                .parts = is_brute ? calloc(1, sizeof *w.parts) : NULL,
+                .parts = is_brute ? bench_alloc(sizeof *w.parts) : NULL,
                 .most_seconds = is_brute ? options->seconds : 0};
     duet_tune_def def = duet_default_tune_def();
     def.watch = watch;
@@ -178,13 +159,12 @@ static bool tune(duet_device_pair *pair, task *t, core_watch *cores, rival *r, t
     def.seed = options->seed;
     def.repeats = is_brute ? 1 : 3;
     subject_complete(&def);
-    bool ok = subject_prepare(&s, &def, pair, cores, err) && find_plan(&w, r, log, err);
-    if (ok && w.parts)
+    must(subject_prepare(&s, &def, pair, cores, ERR));
+    find_plan(&w, r, log);
+    if (w.parts)
         fprintf(stderr, "%s, brute: %u plans in %.1f s, %u of them not launched\n", t->name,
                 r->found.plans, r->found.seconds, w.parts->passed_over);
     subject_release(&s);
-    free(w.parts);
-    return ok;
 }
 
 // ---------------------------------------------------------------- rivals
@@ -232,16 +212,15 @@ static void add_plans(rival *rivals, const duet_plan *best)
 // ---------------------------------------------------------------- race
 
 // One launch to warm up, for the plan before had other kernels, and one that counts.
-static bool launch_twice(subject *s, const duet_plan *plan, double *ms, duet_error *err)
+static double launch_twice_ms(subject *s, const duet_plan *plan)
 {
     measure_launch launch;
     for (int i = 0; i < 2; ++i) {
         launch = (measure_launch){0};
-        if (!launch_alone(s, plan, false, &launch, err))
-            return false;
+        must(s->kind->machine.launch(s, plan, false, &launch, ERR));
+        leave_out_lost(&launch);
     }
-    *ms = (double)launch.total_ns * 1e-6;
-    return true;
+    return (double)launch.total_ns * 1e-6;
 }
 
 // By how much a rival's time is above the first one's, in the same rounds.
@@ -283,19 +262,17 @@ static void shuffle(uint32_t *order, uint32_t n, uint32_t round)
 }
 
 // So many rounds of all that have a name.
-static bool race_all(subject *s, rival *rivals, uint32_t n, uint32_t from, uint32_t to,
-                     duet_error *err)
+static void race_all(subject *s, rival *rivals, uint32_t n, uint32_t from, uint32_t to)
 {
     uint32_t order[RIVALS];
-    bool ok = true;
-    for (uint32_t run = from; ok && run < to; ++run) {
+    for (uint32_t run = from; run < to; ++run) {
         shuffle(order, n, run);
-        for (uint32_t turn = 0; ok && turn < n; ++turn) {
+        for (uint32_t turn = 0; turn < n; ++turn) {
             rival *r = &rivals[order[turn]];
-            ok = !r->name || launch_twice(s, &r->plan, &r->ms[run], err);
+            if (r->name)
+                r->ms[run] = launch_twice_ms(s, &r->plan);
         }
     }
-    return ok;
 }
 
 static const rival *best_of(const rival *rivals, uint32_t n, uint32_t rounds)
@@ -307,20 +284,20 @@ static const rival *best_of(const rival *rivals, uint32_t n, uint32_t rounds)
     return best;
 }
 
-// Leaves the number of rounds of the last race.
-static bool race_twice(subject *s, rival *rivals, rival *heat, uint32_t runs, uint32_t *rounds,
-                       duet_error *err)
+// Returns the number of rounds of the last race.
+static uint32_t race_twice(subject *s, rival *rivals, rival *heat, uint32_t runs)
 {
-    if (!race_all(s, heat, HEAT, 0, runs, err))
-        return false;
+    race_all(s, heat, HEAT, 0, runs);
     add_plans(rivals, &best_of(heat, HEAT, runs)->plan);
     uint64_t begun = clock_steady_ns();
-    bool ok = race_all(s, rivals, RIVALS, 0, runs, err);
-    for (*rounds = runs; ok && *rounds < STATS_MOST && !is_known(rivals, *rounds) &&
-                         clock_ms_since(begun) < FINAL_SECONDS * 1e3;
-         ++*rounds)
-        ok = race_all(s, rivals, RIVALS, *rounds, *rounds + 1, err);
-    return ok;
+    uint32_t rounds = runs;
+    race_all(s, rivals, RIVALS, 0, runs);
+    while (rounds < STATS_MOST && !is_known(rivals, rounds) &&
+           clock_ms_since(begun) < FINAL_SECONDS * 1e3) {
+        race_all(s, rivals, RIVALS, rounds, rounds + 1);
+        ++rounds;
+    }
+    return rounds;
 }
 
 // ---------------------------------------------------------------- table
@@ -349,49 +326,37 @@ static void print(const task *t, const rival *rivals, uint32_t rounds)
     fflush(stdout);
 }
 
-static bool race_and_print(duet_device_pair *pair, task *t, core_watch *cores, rival *rivals,
-                           const trial_log *brute, uint32_t runs, duet_error *err)
+static void race_and_print(duet_device_pair *pair, task *t, core_watch *cores, rival *rivals,
+                           const trial_log *brute, uint32_t runs)
 {
     subject s;
-    uint32_t rounds;
     const duet_tune_def def = {.pair = pair, .task = t, .strategy = names[1]};
-    runs = runs < STATS_MOST ? runs : STATS_MOST;
-    rival *heat = calloc(HEAT, sizeof *heat);
-    if (!heat)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for plans");
+    rival *heat = bench_alloc(HEAT * sizeof *heat);
     list_heat(heat, &rivals[0], brute);
-    bool ok = subject_prepare(&s, &def, pair, cores, err) &&
-              race_twice(&s, rivals, heat, runs, &rounds, err);
+    must(subject_prepare(&s, &def, pair, cores, ERR));
+    uint32_t rounds = race_twice(&s, rivals, heat, runs < STATS_MOST ? runs : STATS_MOST);
     subject_release(&s);
-    free(heat);
-    if (ok)
-        print(t, rivals, rounds);
-    return ok;
+    print(t, rivals, rounds);
 }
 
-static bool compare(duet_device_pair *pair, task *t, const bench_options *options, duet_error *err)
+static void compare(duet_device_pair *pair, task *t, const bench_options *options)
 {
-    rival *rivals = calloc(RIVALS, sizeof *rivals);
-    if (!rivals)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for plans");
+    rival *rivals = bench_alloc(RIVALS * sizeof *rivals);
     core_watch *cores = core_watch_open();
     trial_log logs[N_NAMES] = {0};
-    bool ok = true;
-    for (int i = 0; ok && i < N_NAMES; ++i) {
+    for (int i = 0; i < N_NAMES; ++i) {
         if (i > 1 && options->strategy && strcmp(options->strategy, names[i]) != 0)
             continue;
         rivals[i].name = names[i];
-        ok = tune(pair, t, cores, &rivals[i], &logs[i], options, err);
+        tune(pair, t, cores, &rivals[i], &logs[i], options);
     }
-    ok = ok && race_and_print(pair, t, cores, rivals, &logs[0], options->runs, err);
+    race_and_print(pair, t, cores, rivals, &logs[0], options->runs);
     for (int i = 0; i < N_NAMES; ++i)
         trial_log_free(&logs[i]);
     core_watch_close(cores);
-    free(rivals);
-    return ok;
 }
 
-static bool run_task(const bench_options *options, const char *folder, int i, duet_error *err)
+static void run_task(const bench_options *options, const char *folder, int i)
 {
     char path[600], n[16];
     double part = options->n > 0 ? options->n / (options->task ? tasks[i].n : tasks[0].n) : 1;
@@ -403,27 +368,26 @@ static bool run_task(const bench_options *options, const char *folder, int i, du
     def.a = options->device_a ? options->device_a : "halves";
     def.b = options->device_b;
     snprintf(path, sizeof path, "%s/%s.task.lua", folder, tasks[i].name);
-    task *t = task_load(path, &setting, 1, err);
-    duet_device_pair *pair = t ? duet_device_pair_create(&def, err) : NULL;
-    bool ok = pair && compare(pair, t, options, err);
+    task *t = must(task_load(path, &setting, 1, ERR));
+    duet_device_pair *pair = must(duet_device_pair_create(&def, ERR));
+    compare(pair, t, options);
     duet_device_pair_destroy(pair);
     task_destroy(t);
-    return ok;
 }
 
-bool bench_tasks(const bench_options *options, duet_error *err)
+void bench_tasks(const bench_options *options)
 {
     const char *folder = getenv("DUET_TASKS");
     printf("| task | items | strategy | trials | of all | seconds | share | a launch | to brute | "
            "95 %% "
            "| verdict | kernels of A, B |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    bool ok = true, any = false;
-    for (int i = 0; ok && i < TASKS; ++i) {
+    bool any = false;
+    for (int i = 0; i < TASKS; ++i) {
         if (options->task && strcmp(options->task, tasks[i].name) != 0)
             continue;
         any = true;
-        ok = run_task(options, folder ? folder : DUET_EXAMPLE_TASKS, i, err);
+        run_task(options, folder ? folder : DUET_EXAMPLE_TASKS, i);
     }
-    return ok && (any || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                   "task '%s': there is no such example", options->task));
+    must(any || error_set(ERR, DUET_STATUS_BAD_ARGUMENT, "task '%s': there is no such example",
+                          options->task));
 }

@@ -4,14 +4,9 @@
 // choices are then raced against an even grid of shares, all in turn.
 #include "bench.h"
 
-#include "base/error.h"
 #include "support/any_strategy.h"
 #include "tuner/race.h"
 #include "tuner/subject.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 enum { GRID = 16, ROUNDS = 7 };
 
@@ -31,56 +26,48 @@ static duet_plan plan_at(uint32_t share)
         .share = share, .mode = DUET_MODE_SLAB, .variant_a = "auto", .variant_b = "auto"};
 }
 
-static bool measure_share(const measure_machine *machine, uint32_t share, search_sample *sample,
-                          duet_error *err)
+static search_sample measure_share(const measure_machine *machine, uint32_t share)
 {
     duet_plan plan = plan_at(share);
     measurement m = measure_plan(machine, &plan, (measure_way){.repeats = 1});
-    if (m.failure.status != DUET_STATUS_OK) {
-        *err = m.failure;
-        return false;
-    }
+    *ERR = m.failure;
+    must(m.failure.status == DUET_STATUS_OK);
     const profile_sample *at = &m.samples[m.typical];
-    *sample = (search_sample){.share = share,
-                              .total_ns = (uint64_t)at->total_ns,
-                              .a_ns = (uint64_t)at->a_ns,
-                              .b_ns = (uint64_t)at->b_ns};
-    return true;
+    return (search_sample){.share = share,
+                           .total_ns = (uint64_t)at->total_ns,
+                           .a_ns = (uint64_t)at->a_ns,
+                           .b_ns = (uint64_t)at->b_ns};
 }
 
-static bool choose(const measure_machine *machine, const char *name, chosen *out, duet_error *err)
+static chosen choose(const measure_machine *machine, const char *name)
 {
     search s;
     search_next next = {0};
-    bool ok = any_strategy_begin(&s, name, err);
-    *out = (chosen){0};
-    while (ok && (ok = search_ask(&s, &next, err)) && !next.done) {
-        search_sample sample;
-        ok = measure_share(machine, next.at.share, &sample, err) && search_tell(&s, &sample, err);
-        out->ms += ok ? (double)sample.total_ns * 1e-6 : 0;
+    chosen out = {0};
+    for (must(any_strategy_begin(&s, name, ERR)); must(search_ask(&s, &next, ERR)) && !next.done;) {
+        search_sample sample = measure_share(machine, next.at.share);
+        must(search_tell(&s, &sample, ERR));
+        out.ms += (double)sample.total_ns * 1e-6;
     }
-    out->share = ok ? search_pick(&s) : 0;
-    out->launches = s.n;
+    out.share = search_pick(&s);
+    out.launches = s.n;
     any_strategy_end(&s);
-    return ok;
+    return out;
 }
 
 // Rivals: first the chosen shares, then the grid's.
-static bool race_all(const measure_machine *machine, const chosen *found, race *r, duet_error *err)
+static race race_all(const measure_machine *machine, const chosen *found)
 {
     race_options options = {
         .least_rounds = ROUNDS, .most_rounds = ROUNDS, .confidence = 0.99, .dropped = INFINITY};
-    *r = race_begin(N_NAMES + GRID + 1, &options);
+    race r = race_begin(N_NAMES + GRID + 1, &options);
     uint32_t rival;
-    while (race_next(r, &rival)) {
+    while (race_next(&r, &rival)) {
         uint32_t share =
             rival < N_NAMES ? found[rival].share : (rival - N_NAMES) * (DUET_SHARE_ONE / GRID);
-        search_sample sample;
-        if (!measure_share(machine, share, &sample, err))
-            return false;
-        race_add(r, rival, (double)sample.total_ns);
+        race_add(&r, rival, (double)measure_share(machine, share).total_ns);
     }
-    return true;
+    return r;
 }
 
 static void print_chosen(uint32_t slower, const chosen *found, const race *r)
@@ -114,77 +101,33 @@ static bool launch_slowed(void *context, const duet_plan *plan, bool staged, mea
     return true;
 }
 
-static bool compare(const measure_machine *real, uint32_t slower, duet_error *err)
+static void compare(const measure_machine *real, uint32_t slower)
 {
     slowed as = {*real, slower};
     const measure_machine slow = {.context = &as, .launch = launch_slowed, .hash = real->hash};
-    const measure_machine *machine = &slow;
     chosen found[N_NAMES];
-    race r;
-    for (uint32_t i = 0; i < N_NAMES; ++i) {
-        if (!choose(machine, names[i], &found[i], err))
-            return false;
-    }
-    if (!race_all(machine, found, &r, err))
-        return false;
+    for (uint32_t i = 0; i < N_NAMES; ++i)
+        found[i] = choose(&slow, names[i]);
+    race r = race_all(&slow, found);
     print_chosen(slower, found, &r);
-    return true;
 }
 
-static bool run_world(duet_world *world, duet_error *err)
+// On the two halves of the first CPU that can be cut.
+void bench_tune(const bench_options *options)
 {
     static const uint32_t slower[] = {1, 5, 10};
+    uint32_t n = options->n ? options->n : 50000;
+    duet_world *world =
+        bench_world(must(duet_device_pair_open("halves", ERR)), duet_default_world_def());
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, bench_poses(n, options), n, ERR));
     subject at = {.kind = &subject_still, .state = world};
     duet_plan whole = plan_at(0);
     duet_result result;
-    if (!duet_world_set_plan(world, &whole, err) || !duet_world_step(world, &result, err))
-        return false;
+    must(duet_world_set_plan(world, &whole, ERR));
+    must(duet_world_step(world, &result, ERR));
     measure_machine machine = subject_machine(&at, duet_result_get_hash(&result));
     printf("| A is   | strategy | share  | launches | searching  | a step      | off     |\n"
            "|--------|----------|--------|----------|------------|-------------|---------|\n");
-    bool ok = true;
-    for (size_t i = 0; ok && i < sizeof slower / sizeof *slower; ++i)
-        ok = compare(&machine, slower[i], err);
-    return ok;
-}
-
-// The two halves of the first CPU that can be cut.
-static duet_device_pair *open_halves(duet_error *err)
-{
-    duet_device_list *list = duet_device_list_create(err);
-    duet_device_pair_def def = duet_default_device_pair_def();
-    char halves[2][96] = {"", ""};
-    for (uint32_t i = 0; list && i < duet_device_list_get_count(list) && !halves[0][0]; ++i) {
-        const duet_device_info *d = duet_device_list_get_info(list, i);
-        if (d->kind != DUET_KIND_CPU || !d->can_cut || d->units < 2)
-            continue;
-        snprintf(halves[0], sizeof halves[0], "%s[0-%u]", d->selector, d->units / 2 - 1);
-        snprintf(halves[1], sizeof halves[1], "%s[%u-%u]", d->selector, d->units / 2,
-                 d->units / 2 * 2 - 1);
-    }
-    duet_device_list_destroy(list);
-    def.a = halves[0];
-    def.b = halves[1];
-    if (halves[0][0])
-        return duet_device_pair_create(&def, err);
-    error_set(err, DUET_STATUS_NO_DEVICE, "there is no CPU that can be cut in two");
-    return NULL;
-}
-
-bool bench_tune(const bench_options *options, duet_error *err)
-{
-    uint32_t n = options->n ? options->n : 50000;
-    duet_device_pair *pair = open_halves(err);
-    duet_pose *poses = pair ? paper_poses(n, options->seed) : NULL;
-    if (pair && !poses)
-        error_set(err, DUET_STATUS_NO_MEMORY, "%u boxes: no memory", n);
-    duet_world_def def = duet_default_world_def();
-    def.pair = pair;
-    duet_world *world = poses ? duet_world_create(&def, err) : NULL;
-    bool ok = world && duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, err) &&
-              run_world(world, err);
-    duet_world_destroy(world);
-    free(poses);
-    duet_device_pair_destroy(pair);
-    return ok;
+    for (size_t i = 0; i < sizeof slower / sizeof *slower; ++i)
+        compare(&machine, slower[i]);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "series.h"
 
+#include "base/compare.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,19 +13,13 @@ void series_add(series *s, double sample)
         s->samples[s->n++] = sample;
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 double series_median(const series *s)
 {
     if (s->n == 0)
         return NAN;
     double sorted[SERIES_ROOM];
     memcpy(sorted, s->samples, s->n * sizeof sorted[0]);
-    qsort(sorted, s->n, sizeof sorted[0], compare);
+    qsort(sorted, s->n, sizeof sorted[0], compare_double);
     return 0.5 * (sorted[(s->n - 1) / 2] + sorted[s->n / 2]);
 }
 

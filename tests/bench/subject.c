@@ -1,20 +1,7 @@
 // SPDX-License-Identifier: MIT
-#define _POSIX_C_SOURCE 200809L
 #include "subject.h"
 
 #include "runtime/broadphase/world.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <time.h>
-
-static double process_cpu_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 static duet_plan plan_of(const subject_def *def)
 {
@@ -24,32 +11,39 @@ static duet_plan plan_of(const subject_def *def)
     return plan;
 }
 
-bool subject_open(subject *s, const subject_def *def, duet_error *err)
+subject *subject_open(subject_def def)
 {
-    *s = (subject){.def = *def};
+    subject *s = bench_alloc(sizeof *s);
     duet_device_pair_def pair_def = duet_default_device_pair_def();
-    pair_def.a = def->device_a;
-    pair_def.b = def->device_b;
-    s->pair = duet_device_pair_create(&pair_def, err);
-    if (!s->pair)
-        return false;
     duet_world_def world_def = duet_default_world_def();
-    world_def.pair = s->pair;
-    world_def.plan = plan_of(def);
-    s->world = duet_world_create(&world_def, err);
-    if (s->world && duet_world_set_objects(s->world, DUET_OBJECT_POSES, def->poses, def->n, err) &&
-        duet_world_step(s->world, &s->last, err))
-        return true;
-    subject_close(s);
-    return false;
+    pair_def.a = def.device_a;
+    pair_def.b = def.device_b;
+    world_def.plan = plan_of(&def);
+    s->def = def;
+    s->pair = must(duet_device_pair_create(&pair_def, ERR));
+    s->world = bench_world(s->pair, world_def);
+    must(duet_world_set_objects(s->world, DUET_OBJECT_POSES, def.poses, def.n, ERR));
+    must(duet_world_step(s->world, &s->last, ERR));
+    return s;
+}
+
+subject *subject_alone(const bench_options *options, const char *kernels, const duet_pose *poses,
+                       uint32_t n)
+{
+    return subject_open((subject_def){.name = kernels,
+                                      .device_a = options->device,
+                                      .device_b = options->device,
+                                      .variant = kernels,
+                                      .mode = DUET_MODE_OWN,
+                                      .poses = poses,
+                                      .n = n});
 }
 
 void subject_close(subject *s)
 {
     duet_world_destroy(s->world);
     duet_device_pair_destroy(s->pair);
-    s->world = NULL;
-    s->pair = NULL;
+    free(s);
 }
 
 static int find_stage(subject *s, const char *name)
@@ -95,35 +89,30 @@ static double search_ms(const duet_result *result)
 }
 
 // Being timed by stages makes a GPU's step longer, so that is done apart.
-static bool step_staged(subject *s, duet_error *err)
+static void step_staged(subject *s)
 {
     s->world->def.stage_times = true;
-    bool ok = duet_world_step(s->world, &s->last, err);
+    must(duet_world_step(s->world, &s->last, ERR));
     s->world->def.stage_times = false;
-    return ok;
 }
 
-bool subject_step(subject *s, duet_error *err)
+void subject_step(subject *s)
 {
-    double cpu_begun = process_cpu_ms();
-    if (!duet_world_step(s->world, &s->last, err))
-        return false;
+    double cpu_begun = bench_cpu_ms();
+    must(duet_world_step(s->world, &s->last, ERR));
     series_add(&s->total, s->last.total_ms);
-    series_add(&s->cpu, process_cpu_ms() - cpu_begun);
-    if (!s->last.timed && !step_staged(s, err))
-        return false;
+    series_add(&s->cpu, bench_cpu_ms() - cpu_begun);
+    if (!s->last.timed)
+        step_staged(s);
     series_add(&s->searching, search_ms(&s->last));
     keep_stages(s);
-    return true;
 }
 
-bool subjects_step(subject *subjects, uint32_t n, uint32_t runs, duet_error *err)
+void subjects_step(subject *const *subjects, uint32_t n, uint32_t runs)
 {
     for (uint32_t run = 0; run < runs; ++run)
         for (uint32_t i = 0; i < n; ++i)
-            if (!subject_step(&subjects[i], err))
-                return false;
-    return true;
+            subject_step(subjects[i]);
 }
 
 const series *subject_stage(const subject *s, const char *name)

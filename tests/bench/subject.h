@@ -3,8 +3,7 @@
 #ifndef BENCH_SUBJECT_H
 #define BENCH_SUBJECT_H
 
-#include "runtime/duet.h"
-#include "series.h"
+#include "bench.h"
 
 enum { SUBJECT_STAGES = 16 };
 
@@ -36,14 +35,17 @@ typedef struct subject {
 
 // The poses stay the caller's. Steps once, so that kernels are built and memory
 // is in place.
-bool subject_open(subject *s, const subject_def *def, duet_error *err);
+subject *subject_open(subject_def def);
+// On the one device of the options, by these kernels.
+subject *subject_alone(const bench_options *options, const char *kernels, const duet_pose *poses,
+                       uint32_t n);
 void subject_close(subject *s);
 
-// Steps once and keeps the times; false where the step fails.
-bool subject_step(subject *s, duet_error *err);
+// Steps once and keeps the times.
+void subject_step(subject *s);
 
 // Steps each of them in turn, so many times.
-bool subjects_step(subject *subjects, uint32_t n, uint32_t runs, duet_error *err);
+void subjects_step(subject *const *subjects, uint32_t n, uint32_t runs);
 
 // The stage's samples; NULL where the subject has no such stage.
 const series *subject_stage(const subject *s, const char *name);

@@ -7,14 +7,6 @@
 #include "support/agreement.h"
 #include "support/devices.h"
 
-#include "base/rng.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { FEW = 220, MANY = 20000, MAGNITUDES = 40, QUANTA_BITS = 24 };
 
 // ------------------------------------------------------------ boxes in whole numbers

@@ -5,11 +5,8 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/scene/reference.h"
-
-#include <string.h>
 
 enum { FEW = 400, MANY = 1200 };
 

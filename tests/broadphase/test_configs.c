@@ -9,15 +9,9 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/narrowphase/level.h"
 #include "runtime/scene/reference.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <string.h>
 
 // Slabs have space for some hundred objects more than they get.
 enum {
@@ -221,7 +215,7 @@ static void add_setting(text *t, const config *c, uint32_t i)
 static void write_variant(char *words, size_t capacity, const config *c, const scene *s,
                           const char *search)
 {
-    text t = {0};
+    own(text) t = {0};
     text_add(&t, "%s", search);
     if (value_of(c, "RANK", 1) == 0)
         text_add(&t, " sort=radix");
@@ -234,7 +228,6 @@ static void write_variant(char *words, size_t capacity, const config *c, const s
         text_add(&t, "%s", fixed);
     assert_true(t.length < capacity);
     memcpy(words, t.chars, t.length + 1);
-    text_free(&t);
 }
 
 static uint64_t reference_hash(const scene *s)
@@ -293,7 +286,7 @@ static void try_config(const config *c, rng *r)
 {
     static scene s;
     make_scene(&s, c, r);
-    gen_variant v;
+    own(gen_variant) v;
     duet_error err = {0};
     gen_limits limits = program_limits(&devices->devices[1].info);
     must(gen_make(generator, c->kernel, c->settings, c->n, &limits, &v, ERR));
@@ -315,7 +308,6 @@ static void try_config(const config *c, rng *r)
                  v.name, plan.variant_b, s.n, s.dims, result.pairs);
     duet_world_destroy(world);
     guard_assert_whole(v.name);
-    gen_variant_free(&v);
 }
 
 // ------------------------------------------------------------ spaces

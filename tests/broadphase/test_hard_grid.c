@@ -6,11 +6,7 @@
 #include "support/devices.h"
 #include "support/hard_pairs.h"
 
-#include "base/rng.h"
-
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 enum { CAPACITY = 20000 };
 

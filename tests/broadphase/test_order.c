@@ -4,15 +4,8 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
 #include "runtime/broadphase/order.h"
-#include "runtime/broadphase/world.h"
 #include "runtime/selection/profile_subject.h"
-
-#include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 // So many are ordered by several threads.
 enum { CAPACITY = 20000, MANY = 65537 };

@@ -4,13 +4,7 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-#include "runtime/broadphase/world.h"
 #include "runtime/scene/reference.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <string.h>
 
 enum { OBJECTS = 900, EDGE = 7 };
 

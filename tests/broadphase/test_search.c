@@ -4,11 +4,7 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/scene/reference.h"
-
-#include <inttypes.h>
-#include <string.h>
 
 enum { MOST = 2500 };
 

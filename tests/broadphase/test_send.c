@@ -5,11 +5,7 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/broadphase/world.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { CAPACITY = 5003 };
 

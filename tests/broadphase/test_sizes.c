@@ -4,12 +4,7 @@
 #include "support/test.h"
 
 #include "base/budget.h"
-#include "base/rng.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/duet_opencl.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { CAPACITY = 3000 };
 

@@ -7,11 +7,7 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
 #include "runtime/broadphase/world.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { SETS = 4, MOST = 4000, ROUNDS = 100 };
 

@@ -19,9 +19,6 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -207,7 +204,7 @@ TEST(an_output_is_the_old_one_or_the_new_one)
     int k = 1;
     bool was_new = false;
     for (bool ended = true; ended; ++k) {
-        text found = {0};
+        own(text) found = {0};
         enter_folder();
         test_write_file(path, "old");
         ended = ends_at(k, &calls_left, write_output);
@@ -217,7 +214,6 @@ TEST(an_output_is_the_old_one_or_the_new_one)
         assert_true(is_new || strcmp(found.chars, "old") == 0);
         assert_true(is_new || ended);
         was_new = was_new || (is_new && ended);
-        text_free(&found);
     }
     print_message("%d places to end at\n", k - 2);
     assert_true(k > 2 && was_new);
@@ -413,11 +409,10 @@ TEST(a_driver_that_aborts_leaves_nothing_half_done)
         store *s = test_store_open(folder.store, STORE_READ);
         assert_int_equal(test_count(s, "audit"), *told);
         store_close(s);
-        text found = {0};
+        own(text) found = {0};
         bool there = text_read_file(&found, "test_abort.pairs", NULL);
         assert_int_equal(there, *told == 2);
         assert_true(!there || strcmp(found.chars, "299") == 0);
-        text_free(&found);
     }
     print_message("ended at %d calls of the driver\n", n_ended);
     assert_true(!ended && n_ended > 3);

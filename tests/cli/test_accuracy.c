@@ -7,9 +7,6 @@
 
 #include "base/text.h"
 
-#include <cjson/cJSON.h>
-#include <string.h>
-
 #define SCENE "test_accuracy.scene.lua"
 #define ORBIT "test_accuracy.orbit.lua"
 #define STACK "test_accuracy.stack.lua"
@@ -131,9 +128,8 @@ TEST(the_table_and_the_plot_name_every_level)
     for (int l = 0; l < DUET_LEVELS; ++l)
         assert_non_null(strstr(p.out, duet_level_get_info((duet_level)l)->name));
     for (int f = 0; f < 2; ++f) {
-        text content = test_read_file(files[f]);
+        own(text) content = test_read_file(files[f]);
         assert_true(content.length > 200);
-        text_free(&content);
     }
 }
 

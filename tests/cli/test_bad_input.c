@@ -9,18 +9,14 @@
 #include "support/kernels.h"
 #include "support/program.h"
 
-#include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #define OUT "test_bad_input.out"
 
 static void assert_file_holds(const char *path, const char *chars)
 {
-    text t = test_read_file(path);
+    own(text) t = test_read_file(path);
     assert_string_equal(text_chars(&t), chars);
-    text_free(&t);
 }
 
 // The refusal leaves stdout empty and the file for the pairs as it was.

@@ -7,19 +7,14 @@
 
 #include "base/text.h"
 
-#include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
-
 #define OUT "test_bench.json"
 #define OLD "test_bench.old.json"
 #define BENCH "bench --quick --scene paper "
 
 static cJSON *read_json(const char *path)
 {
-    text t = test_read_file(path);
+    own(text) t = test_read_file(path);
     cJSON *o = json_of(text_chars(&t));
-    text_free(&t);
     assert_non_null(o);
     return o;
 }

@@ -6,11 +6,9 @@
 #include "support/test.h"
 
 #include "base/clock.h"
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include <signal.h>
-#include <stdio.h>
 #include <sys/wait.h>
 #include <time.h>
 
@@ -97,13 +95,12 @@ TEST(a_checkpoint_that_is_cut_short_is_refused)
     double steps;
     rng r = rng_seed(test_seed());
     get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
-    text file = test_read_file(SAVED);
+    own(text) file = test_read_file(SAVED);
     for (int i = 0; i < 3; ++i) {
         size_t length = 16 + rng_below(&r, (uint32_t)file.length - 16);
         must(text_write_file("cut.motion", file.chars, length, ERR));
         program_assert_refused(program_run(RUN " --resume cut.motion"), 1, "cut short or damaged");
     }
-    text_free(&file);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -4,12 +4,6 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include <cjson/cJSON.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // The lines about device B, which does all the work.
 static cJSON *explain(const char *arguments)
 {

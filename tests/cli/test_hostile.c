@@ -11,9 +11,6 @@
 #include "lua/session.h"
 #include "cli/tune_config.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define FILE_NAME "test_hostile.lua"
 
 // A script's seconds here. The time that it may take beyond them is the promise of
@@ -150,12 +147,11 @@ static bool read_scene(const char *chunk, duet_error *err)
 static bool read_card(const char *chunk, duet_error *err)
 {
     card c;
-    text chars = {0};
+    own(text) chars = {0};
     text_add_bytes(&chars, chunk, strlen(chunk));
     bool ok = card_open(&c, "hostile", FILE_NAME, &chars, err);
     if (ok)
         card_close(&c);
-    text_free(&chars);
     return ok;
 }
 
@@ -288,7 +284,7 @@ TEST(the_parser_ends_at_the_limit)
 {
     text deep_text = {0};
     text choices = {0};
-    text labels = {0};
+    own(text) labels = {0};
     add_deep_text(&deep_text);
     text_add(&choices, "return 1");
     for (int i = 0; i < 400000; ++i)
@@ -313,7 +309,6 @@ TEST(the_parser_ends_at_the_limit)
     }
     text_free(&deep_text);
     text_free(&choices);
-    text_free(&labels);
 }
 
 TEST_MAIN(NULL, NULL)

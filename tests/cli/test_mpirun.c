@@ -4,7 +4,6 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include <stdio.h>
 #include <sys/stat.h>
 
 // Bytes of rank 0: all ranks are there, and all have stopped.

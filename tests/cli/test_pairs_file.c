@@ -7,9 +7,6 @@
 #include "base/npy.h"
 #include "base/text_file.h"
 
-#include <cjson/cJSON.h>
-#include <stdio.h>
-
 #define TOUCHING "0 0 0 .5 .5 .5 0 0 0 1   1 0 0 .5 .5 .5 0 0 0 1\n"
 #define APART "0,0,0,.5,.5,.5,0,0,0,1, 0,2,0,.5,.5,.5,0,0,1,0\n"
 
@@ -40,7 +37,7 @@ TEST(rows_of_text_become_two_poses_each)
 static void write_array(const char *path, const char *descr, const void *items, size_t item_bytes,
                         uint32_t n)
 {
-    text file = {0};
+    own(text) file = {0};
     char literal[118];
     snprintf(literal, sizeof literal,
              "{'descr': '%s', 'fortran_order': False, 'shape': (%u, 20), }", descr, n);
@@ -48,7 +45,6 @@ static void write_array(const char *path, const char *descr, const void *items, 
     text_add(&file, "%-117s\n", literal);
     text_add_bytes(&file, items, 20 * n * item_bytes);
     write_file(path, file.chars, file.length);
-    text_free(&file);
 }
 
 TEST(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept)
@@ -98,14 +94,13 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
 // A header alone says how many there are.
 TEST(too_many_pairs_are_called_pairs)
 {
-    text t = {0};
+    own(text) t = {0};
     text_add(&t, "%-117s\n",
              "{'descr': '<f4', 'fortran_order': False, 'shape': (4294967293, 20), }");
     FILE *file = fopen("many.npy", "wb");
     assert_int_equal(fwrite("\x93NUMPY\1\0\x76\0", 1, 10, file), 10);
     assert_int_equal(fwrite(t.chars, 1, t.length, file), t.length);
     fclose(file);
-    text_free(&t);
     must_fail(duet_scene_load_pairs("many.npy", ERR), DUET_STATUS_TOO_MANY,
               "many.npy: 4294967293 pairs; a file of pairs holds at most 2147483646");
 }
@@ -163,9 +158,8 @@ TEST(the_program_tests_a_file_at_every_level)
 
 static void assert_file(const char *path, const char *expected)
 {
-    text bytes = test_read_file(path);
+    own(text) bytes = test_read_file(path);
     assert_string_equal(text_chars(&bytes), expected);
-    text_free(&bytes);
 }
 
 TEST(the_program_writes_answers_and_separations)

@@ -5,8 +5,6 @@
 
 #include "base/text_file.h"
 
-#include <string.h>
-
 #define SCENE "test_picture.txt"
 #define SVG "test_picture.svg"
 #define PNG "test_picture.png"
@@ -59,28 +57,26 @@ static int count(const text *svg, const char *fill)
 TEST(boxes_that_collide_are_filled_in_their_own_colour)
 {
     write_scene("0 0 1 1\n0.5 0.5 1.5 1.5\n3 3 4 4\n5 3 6 4\n6 4 7 5\n9 9 9.5 9.5\n");
-    text svg = draw(SVG, "");
+    own(text) svg = draw(SVG, "");
     assert_int_equal(count(&svg, colliding), 4);
     assert_int_equal(count(&svg, alone), 2);
-    text_free(&svg);
 }
 
 TEST(of_a_box_in_3d_three_faces_are_seen)
 {
     write_scene("0 0 0 1 1 1\n5 5 5 6 6 6\n");
-    text svg = draw(SVG, "");
+    own(text) svg = draw(SVG, "");
     int faces = 0;
     for (const char *at = svg.chars; (at = strstr(at, "fill-opacity:0.62")); ++at)
         ++faces;
     assert_int_equal(faces, 6);
-    text_free(&svg);
 }
 
 // A disc is a polygon of its fill; its bounds are those of the disc.
 TEST(what_has_a_radius_is_round)
 {
     write_scene("0 0 0 0 0 1 0.5\n3 0 1 0.2 0 1 0.3\n");
-    text svg = draw(SVG, "");
+    own(text) svg = draw(SVG, "");
     assert_int_equal(count(&svg, alone), 2);
     const char *path = strstr(svg.chars, alone);
     assert_non_null(path);
@@ -88,38 +84,33 @@ TEST(what_has_a_radius_is_round)
     for (const char *at = path; *at && *at != '>'; ++at)
         corners += *at == 'L';
     assert_true(corners >= 60);
-    text_free(&svg);
 }
 
 TEST(a_sample_has_as_many_boxes_as_asked)
 {
-    text boxes = {0};
+    own(text) boxes = {0};
     for (int i = 0; i < 50; ++i)
         text_add(&boxes, "%d 0 %d.5 1\n", i, i);
     write_scene(text_chars(&boxes));
-    text svg = draw(SVG, "--boxes 7");
+    own(text) svg = draw(SVG, "--boxes 7");
     assert_int_equal(count(&svg, alone), 7);
-    text_free(&svg);
-    text_free(&boxes);
 }
 
 // A box of edge 1 fills 860 pixels: a tenth of it is the greatest bar below 140.
 TEST(a_bar_shows_the_scale)
 {
     write_scene("0 0 1 1\n");
-    text svg = draw(SVG, "");
+    own(text) svg = draw(SVG, "");
     assert_non_null(strstr(svg.chars, "M24908L110908"));
-    text_free(&svg);
 }
 
 TEST(a_png_has_the_asked_width)
 {
     write_scene("0 0 1 1\n");
-    text png = draw(PNG, "--width 300");
+    own(text) png = draw(PNG, "--width 300");
     assert_true(png.length > 24);
     assert_memory_equal(png.chars, "\x89PNG\r\n", 6);
     assert_memory_equal(png.chars + 16, "\0\0\x01\x2c", 4);
-    text_free(&png);
 }
 
 TEST(extreme_scenes_are_drawn)
@@ -133,11 +124,10 @@ TEST(extreme_scenes_are_drawn)
     };
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i) {
         write_scene(scenes[i]);
-        text svg = draw(SVG, "");
+        own(text) svg = draw(SVG, "");
         assert_non_null(strstr(svg.chars, "</svg>"));
         if (strstr(svg.chars, "nan") || strstr(svg.chars, "inf"))
             fail_msg("a place of scene %zu is no number", i);
-        text_free(&svg);
     }
 }
 

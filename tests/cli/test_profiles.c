@@ -8,10 +8,6 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // A store with two profiles, one of them replaced once.
 static test_folder make_store(void)
 {
@@ -324,9 +320,9 @@ TEST(every_query_of_the_documentation_works)
     test_folder folder = make_store();
     duet_error err = {0};
     store *s = must(store_open(folder.store, STORE_WRITE, ERR));
-    text path = {0};
+    own(text) path = {0};
     text_add(&path, "%s/../../docs/store.md", getenv("DUET_TEST_DATA"));
-    text doc = test_read_file(text_chars(&path));
+    own(text) doc = test_read_file(text_chars(&path));
     int n = 0;
     for (char *at = doc.chars; (at = strstr(at, "```sql\n")); ++n) {
         at += strlen("```sql\n");
@@ -342,8 +338,6 @@ TEST(every_query_of_the_documentation_works)
         at = end + 1;
     }
     assert_true(n >= 5);
-    text_free(&path);
-    text_free(&doc);
     store_close(s);
 }
 

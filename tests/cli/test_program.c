@@ -4,11 +4,7 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include <cjson/cJSON.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -6,10 +6,6 @@
 
 #include "base/text_file.h"
 #include "profiles/sql.h"
-#include "profiles/store.h"
-
-#include <stdio.h>
-#include <string.h>
 
 #define PAGE "test_report.html"
 #define RESULTS "test_report.json"
@@ -71,7 +67,7 @@ static text make_page(void)
 
 TEST(the_page_shows_profile_search_stages_and_history)
 {
-    text page = make_page();
+    own(text) page = make_page();
     static const char *const has[] = {"100 000 objects",
                                       "<h2>Searches</h2>",
                                       "share of A",
@@ -94,7 +90,6 @@ TEST(the_page_shows_profile_search_stages_and_history)
         if (!strstr(page.chars, has[i]))
             fail_msg("'%s' is not on the page", has[i]);
     assert_null(strstr(page.chars, ">drag<"));
-    text_free(&page);
 }
 
 TEST(of_one_device_the_page_shows_no_share)
@@ -117,7 +112,7 @@ TEST(of_one_device_the_page_shows_no_share)
                                       "5 pairs; x:0"};
     static const char *const lacks[] = {"no work", "Standard set: shares",  "A: x:0",
                                         "B: x:0",  "Standard set: history", "What became of"};
-    text page = {0};
+    own(text) page = {0};
     test_write_file(RESULTS, results);
     program_done(program_run("report --profile %s -o " PAGE " " RESULTS, folder.store));
     must(text_read_file(&page, PAGE, ERR));
@@ -127,7 +122,6 @@ TEST(of_one_device_the_page_shows_no_share)
     for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; ++i)
         if (strstr(page.chars, lacks[i]))
             fail_msg("'%s' is on the page", lacks[i]);
-    text_free(&page);
 }
 
 // Gives what the page says of its only profile, from the share on; the caller frees it.
@@ -151,17 +145,15 @@ TEST(a_plan_of_one_device_has_no_gain_and_no_verdict)
 {
     static const char *const plans[] = {"B alone", "A alone"};
     for (int share = 0; share < 2; ++share) {
-        text row = profile_row_of(share);
+        own(text) row = profile_row_of(share);
         assert_non_null(strstr(row.chars, plans[share]));
         assert_null(strstr(row.chars, "-26.1"));
         assert_null(strstr(row.chars, "slower"));
-        text_free(&row);
     }
-    text shared = profile_row_of(0.5);
+    own(text) shared = profile_row_of(0.5);
     assert_non_null(strstr(shared.chars, "50.0 %"));
     assert_non_null(strstr(shared.chars, "-26.1"));
     assert_non_null(strstr(shared.chars, "slower"));
-    text_free(&shared);
 }
 
 TEST(a_page_without_a_name_is_told_of)
@@ -173,8 +165,8 @@ TEST(a_page_without_a_name_is_told_of)
 
 TEST(one_slow_step_does_not_flatten_the_others)
 {
-    text results = {0};
-    text page = {0};
+    own(text) results = {0};
+    own(text) page = {0};
     text_add(&results, "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":"
                        "\"then\",\"devices\":[{},{}],\"cases\":[");
     for (int i = 0; i < 5; ++i)
@@ -190,26 +182,22 @@ TEST(one_slow_step_does_not_flatten_the_others)
     must(text_read_file(&page, PAGE, ERR));
     assert_non_null(strstr(page.chars, "1 above, up to 700 ms"));
     assert_non_null(strstr(page.chars, ">1.5</text>")); // a tick of an axis that ends near 2
-    text_free(&results);
-    text_free(&page);
 }
 
 TEST(the_page_loads_nothing)
 {
-    text page = make_page();
+    own(text) page = make_page();
     static const char *const outside[] = {"http:", "https:", "url(", "src=", "<script", "@import"};
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; ++i)
         if (strstr(page.chars, outside[i]))
             fail_msg("'%s' is on the page", outside[i]);
-    text_free(&page);
 }
 
 TEST(names_are_words_and_no_markup)
 {
-    text page = make_page();
+    own(text) page = make_page();
     assert_null(strstr(page.chars, "<b>"));
     assert_non_null(strstr(page.chars, "&lt;b&gt;boxes&lt;/b&gt; &amp; more"));
-    text_free(&page);
 }
 
 TEST(what_cannot_be_read_or_written_is_one_line)

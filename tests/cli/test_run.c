@@ -7,11 +7,6 @@
 
 #include "base/text_file.h"
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SCENE "test_run.scene.lua"
 
 // 400 boxes, drawn with the scene's own seed.
@@ -131,7 +126,7 @@ TEST(an_accuracy_that_no_profile_knows_is_told_of)
 TEST(the_pairs_file_holds_each_pair_once_ascending)
 {
     cJSON *o = run_json(SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
-    text t = test_read_file("test_run.csv");
+    own(text) t = test_read_file("test_run.csv");
     uint64_t n = 0;
     uint64_t last = 0;
     duet_pair *pairs = test_alloc(t.length * sizeof *pairs);
@@ -148,7 +143,6 @@ TEST(the_pairs_file_holds_each_pair_once_ascending)
     char hash[17];
     snprintf(hash, sizeof hash, "%016" PRIx64, duet_pairs_hash(pairs, n));
     assert_string_equal(hash, json_string(o, "hash"));
-    text_free(&t);
 }
 
 TEST(objects_in_order_keep_the_ids_of_the_scene)

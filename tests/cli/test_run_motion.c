@@ -7,10 +7,6 @@
 
 #include "base/text_file.h"
 
-#include <cjson/cJSON.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -44,10 +40,9 @@ static int make_scene(void **state)
 // is a PNG whose size is that of a page with something on it.
 static void assert_is_picture(const char *path)
 {
-    text bytes = test_read_file(path);
+    own(text) bytes = test_read_file(path);
     assert_true(bytes.length > 4000);
     assert_memory_equal(text_chars(&bytes), "\x89PNG\r\n", 6);
-    text_free(&bytes);
 }
 
 TEST(a_picture_and_frames_are_drawn)

@@ -6,9 +6,6 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define STORE "DUET_PROFILE=task.db"
 #define FEW "--trials 80"
 

@@ -12,9 +12,6 @@
 #include <poll.h>
 #include <pty.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -160,7 +157,7 @@ TEST(ctrl_c_shows_what_ranks_timed)
                  "exec %s cluster %s --plain still -n 300 --repeat 100000 --json >stopped.json",
                  getenv("DUET_PROGRAM"), runs[i].arguments);
         terminal t = run_until(100, script, " a second", 0, runs[i].alone);
-        text out = {0};
+        own(text) out = {0};
         must(text_read_file(&out, "stopped.json", ERR));
         if (!sees(&t, "duet: stopped") || (runs[i].alone && out.length == 0))
             fail_msg("%s: %s", script, text_chars(&t.seen));
@@ -169,7 +166,6 @@ TEST(ctrl_c_shows_what_ranks_timed)
             double n = json_number(o, "repeat");
             assert_true(n > 0 && n < 100000 && json_number(o, "total_ms") > 0);
         }
-        text_free(&out);
         text_free(&t.seen);
     }
     remove("stopped.json");

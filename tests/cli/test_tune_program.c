@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // duet tune, as a person calls it, and tune files.
 #define _POSIX_C_SOURCE 200809L
-#include "profiles/store.h"
 #include "support/devices.h"
 #include "support/json.h"
 #include "support/store.h"
@@ -9,11 +8,6 @@
 
 #include "base/text_file.h"
 #include "cli/tune_config.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define SCENE "test_tune.scene.lua"
 #define STORE "test_tune.db"
@@ -330,13 +324,12 @@ TEST(a_stopped_tuning_is_taken_up_again)
     assert_non_null(duet);
     double after = 0.3;
     for (int i = 0; i < STOPS || count_trials() == 0; ++i, after *= 1.3) {
-        text command = {0};
+        own(text) command = {0};
         text_add(&command,
                  "timeout -s %s %g '%s' tune " QUICK FEW "--repeat 32 " SCENE " >/dev/null 2>&1",
                  signals[i % STOPS], after, duet);
         int status = system(text_chars(&command));
         (void)status; // stopped, or finished before on a fast machine
-        text_free(&command);
     }
     const cJSON *rows = tune_json(QUICK FEW "--repeat 32 " SCENE);
     assert_true(json_true(cJSON_GetArrayItem(rows, 0), "resumed") ||
@@ -347,20 +340,18 @@ TEST(a_stopped_tuning_is_taken_up_again)
 // of what was not measured. Tests that run in the background may have the signal ignored.
 TEST(ctrl_c_ends_a_loop_of_tunings)
 {
-    text command = {0};
+    own(text) command = {0};
     text_add(&command,
              "setsid --wait env --default-signal=INT bash -c '(sleep 1; kill -INT 0) & "
              "for i in 1 2 3; do \"%s\" tune " QUICK "--repeat 32 -n 300000 lua/scenes/paper.lua "
              ">/dev/null 2>>%s; echo $i >>%s; done' 2>/dev/null",
              getenv("DUET_PROGRAM"), STRATEGY, CONFIG);
     assert_int_not_equal(system(text_chars(&command)), 0);
-    text_free(&command);
-    text said = {0};
+    own(text) said = {0};
     assert_false(text_read_file(&said, CONFIG, NULL)); // not even the first went on
     assert_true(text_read_file(&said, STRATEGY, NULL));
     assert_non_null(strstr(text_chars(&said), "stopped"));
     assert_null(strstr(strstr(text_chars(&said), "stopped") + 1, "stopped"));
-    text_free(&said);
     duet_error err = {0};
     store *s = store_open(STORE, STORE_WRITE, &err);
     if (s)

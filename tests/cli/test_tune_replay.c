@@ -6,10 +6,6 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 #define NO_DEVICE "OCL_ICD_VENDORS=/nowhere"
 
 static test_folder folder;

@@ -4,12 +4,9 @@
 #include "support/program.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include <cjson/cJSON.h>
-#include <stdio.h>
-#include <string.h>
 
 #define SCENE "test_verify.scene.lua"
 #define FLYING "test_verify.flying.lua"
@@ -275,7 +272,7 @@ static void assert_refused(const char *says)
 TEST(recordings_that_are_none_are_refused)
 {
     record(SCENE, PLAIN, push, 7, 3);
-    text file = test_read_file(PLAIN);
+    own(text) file = test_read_file(PLAIN);
     forge(&file, 14, 1, file.length, true); // "duet commands 3"
     assert_refused("expected \"duet commands 2\"");
     rng r = rng_seed(test_seed());
@@ -287,14 +284,13 @@ TEST(recordings_that_are_none_are_refused)
     assert_refused("the recording is cut short or damaged");
     forge(&file, 0, 0, 0, false);
     assert_refused("begins with \"\"");
-    text_free(&file);
 }
 
 // Both runs give the same bits, and the recording other ones.
 TEST(a_recorded_hash_that_differs_is_told_last)
 {
     record(SCENE, PLAIN, NULL, 0, 0);
-    text file = test_read_file(PLAIN);
+    own(text) file = test_read_file(PLAIN);
     forge(&file, file.length - 16, 1, file.length, true);
     program p = program_run("verify " SCENE " --replay " ALTERED);
     assert_int_equal(p.exit_code, 1);
@@ -302,7 +298,6 @@ TEST(a_recorded_hash_that_differs_is_told_last)
     assert_non_null(strstr(p.err, "at the end; expected the recorded"));
     forge(&file, 32, 1, file.length, true);
     assert_refused("recorded from step 0, 25 places and the state hash");
-    text_free(&file);
 }
 
 TEST(wrong_command_lines_are_refused)

@@ -2,10 +2,8 @@
 #include "cluster/crowd.h"
 
 #include "cluster/cluster.h"
-#include "runtime/duet.h"
 
 #include <inttypes.h>
-#include <math.h>
 
 const int groups[N_GROUPS] = {1, 2, 3, 4, 8};
 

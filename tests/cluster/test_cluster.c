@@ -11,11 +11,6 @@
 #include "profiles/duet_profiles.h"
 #include "profiles/sql.h"
 
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -92,7 +87,7 @@ TEST(pictures_of_ranks_are_those_of_run)
 // Boxes slide, one of them with that friction.
 static void write_sliding(const char *path, double friction)
 {
-    text scene = {0};
+    own(text) scene = {0};
     text_add(&scene,
              "for i = 0, 26 do\n"
              "  add { centre = { 1.2 * (i %% 3), 1.2 * (i // 3 %% 3), 0.6 + 1.1 * (i // 9) },\n"
@@ -104,7 +99,6 @@ static void write_sliding(const char *path, double friction)
              "         world = { lower = { -3, -3, 0 }, upper = { 7, 7, 8 } } }\n",
              friction);
     must(text_write_file(path, text_chars(&scene), scene.length, ERR));
-    text_free(&scene);
 }
 
 // Runs it with a scene that the ranks read first and rank 0's one motion second.
@@ -328,7 +322,7 @@ TEST(a_tuning_of_ghosts_that_is_lost_in_the_end_tells_its_table)
 
 static void write_platform(const char *path, const char *inside)
 {
-    text file = {0};
+    own(text) file = {0};
     text_add(&file,
              "<?xml version='1.0'?>"
              "<!DOCTYPE platform SYSTEM \"https://simgrid.org/simgrid.dtd\">"
@@ -336,7 +330,6 @@ static void write_platform(const char *path, const char *inside)
              "<zone id='all' routing='Full'>%s</zone></platform>",
              inside);
     must(text_write_file(path, text_chars(&file), file.length, ERR));
-    text_free(&file);
 }
 
 static void write_network(void)
@@ -561,7 +554,7 @@ TEST(an_array_is_read_in_parts)
 {
     skip_without_mpi();
     for (int columns = 6; columns <= 11; columns += 5) {
-        text file = {0};
+        own(text) file = {0};
         npy_add_header(&file, NPY_FLOAT64, 100, (uint64_t)columns);
         for (int i = 0; i < 100 * columns; ++i) {
             double number = number_of_row(columns, i / columns, i % columns);
@@ -575,7 +568,6 @@ TEST(an_array_is_read_in_parts)
         assert_true(json_number(expected, "pairs") > 100);
         assert_true(json_number(found, "objects") == 100);
         assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
-        text_free(&file);
     }
 }
 

@@ -8,13 +8,10 @@
 #include "support/test.h"
 
 #include "base/clock.h"
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include <glob.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <time.h>
 
@@ -127,7 +124,7 @@ static bool kill_one(pid_t job, int n_ranks, rng *r, uint64_t after_ms, int *sta
 static void must_say_one_line(void)
 {
     duet_error err = {0};
-    text says = {0};
+    own(text) says = {0};
     assert_ok(text_read_file(&says, SAYS, &err), err);
     int n = 0;
     for (const char *line = text_chars(&says), *end; *line; line = end + 1) {
@@ -138,7 +135,6 @@ static void must_say_one_line(void)
             fail_msg("other than one line: %s", text_chars(&says));
     }
     assert_int_equal(n, 1);
-    text_free(&says);
 }
 
 // Returns how long a job that lost a rank went on; -1: it was done before.

@@ -5,8 +5,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <string.h>
-
 enum { ROWS = 6, HIGH = 4, SPANS = 8 };
 
 // Towers with a beam across each two, so that beams lean on sleepers that lean on sleepers.

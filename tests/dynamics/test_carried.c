@@ -6,10 +6,6 @@
 #include "support/test.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const double weight = 9.81;
 
 // ---------------------------------------------------------------- carried meshes
@@ -84,8 +80,6 @@ TEST(a_box_on_a_floor_that_goes_slides_until_it_goes_along)
     assert_close(m->states[id].velocity[0], v, 1e-3);
     assert_close(m->states[id].centre[0], 0.3 + 2 * v - slide, 0.02);
     assert_close(m->states[id].centre[2], (double)m->poses[id].centre[2], ground_slop);
-    mover_free(m);
-    free(c);
 }
 
 // A ball on a belt of speed v slides until it rolls, at 2/7 v.
@@ -99,8 +93,6 @@ TEST(a_ball_on_a_floor_that_goes_rolls_at_two_sevenths)
     mover_run(m, 90);
     assert_close(m->states[id].velocity[1], 0.4, 0.004);
     assert_close(m->states[id].angular_velocity[0], (1.4 - 0.4) / 0.25, 0.04);
-    mover_free(m);
-    free(c);
 }
 
 TEST(a_floor_that_rises_lifts_what_lies_on_it)
@@ -113,8 +105,6 @@ TEST(a_floor_that_rises_lifts_what_lies_on_it)
     mover_run(m, 120);
     for (uint32_t id = 1; id < m->n; ++id)
         assert_close(m->states[id].centre[2], (double)m->poses[id].centre[2] + 1.5, ground_slop);
-    mover_free(m);
-    free(c);
 }
 
 // A block of friction 1 stays on its place of a table that turns slowly. Levers are those of a
@@ -133,8 +123,6 @@ TEST(a_block_turns_with_its_table)
     assert_close(hypot(x, y), 1.5 * exp(out * 180), 0.01);
     assert_close(atan2(y, x), 3, 0.01);
     assert_close(2 * atan2(m->states[id].rotation[2], m->states[id].rotation[3]), 3, 0.01);
-    mover_free(m);
-    free(c);
 }
 
 // Above mu g it does not.
@@ -153,7 +141,6 @@ TEST(a_block_leaves_a_table_that_turns_too_fast)
         assert_true(i == 0 ? far < 1.06 : far > 1.2);
         mover_free(m);
     }
-    free(c);
 }
 
 // A trough, a V along y: the ball stays in its middle.
@@ -173,8 +160,6 @@ TEST(a_ball_goes_along_with_its_trough)
     mover_run(m, 240);
     assert_close(m->states[id].centre[0], 6, ground_slop);
     assert_close(m->states[id].centre[2], 0.25 * sqrt(2), ground_slop);
-    mover_free(m);
-    free(c);
 }
 
 // ---------------------------------------------------------------- beside others
@@ -201,7 +186,6 @@ TEST(nothing_trips_over_the_seams_of_a_floor_that_goes)
         }
         mover_free(m);
     }
-    free(c);
 }
 
 // The table as a box that turns, tilts and goes is the truth.
@@ -239,9 +223,6 @@ TEST(bodies_on_a_carried_floor_go_as_on_a_box)
             assert_close(m[0]->states[id].centre[k], m[1]->states[id].centre[k] - 0.5 * up[k],
                          0.05);
     }
-    mover_free(m[0]);
-    mover_free(m[1]);
-    free(c);
 }
 
 // ---------------------------------------------------------------- a drum
@@ -277,8 +258,6 @@ TEST(a_drum_that_turns_keeps_its_grains_and_lifts_them)
         }
     }
     assert_true(highest > -0.2);
-    mover_free(m);
-    free(c);
 }
 
 // A plate three hundred times as heavy presses balls into a floor that turns and rises, deeper than
@@ -308,7 +287,6 @@ TEST(what_is_pressed_into_a_floor_that_goes_stays_on_it)
                          m->states[id].centre[0], m->states[id].centre[1], m->states[id].centre[2]);
         mover_free(m);
     }
-    free(c);
 }
 
 static uint64_t grain_hash(const shape *c, uint32_t share, double skin, bool sleeps)
@@ -331,7 +309,6 @@ TEST(any_share_and_any_skin_give_the_same_bits)
     assert_int_equal(grain_hash(c, DUET_SHARE_ONE, 0.05, false), expected);
     assert_int_equal(grain_hash(c, 0, 0.2, false), expected);
     assert_int_equal(grain_hash(c, 0, 0.2, true), grain_hash(c, DUET_SHARE_ONE / 3, 0.02, true));
-    free(c);
 }
 
 // ---------------------------------------------------------------- rest, targets, events
@@ -346,10 +323,9 @@ static void turn_carrier(mover *m, double speed)
 
 static bool sleeps(mover *m, uint32_t id)
 {
-    uint8_t *asleep = malloc(m->n);
+    uint8_t *asleep = test_alloc(m->n);
     must(duet_motion_get_asleep(m->motion, asleep, ERR));
     bool is = asleep[id];
-    free(asleep);
     return is;
 }
 
@@ -369,8 +345,6 @@ TEST(a_carrier_that_starts_wakes_what_sleeps_on_the_mesh)
     turn_carrier(m, 0);
     mover_run(m, 120);
     assert_true(sleeps(m, id));
-    mover_free(m);
-    free(c);
 }
 
 // Targets that go to and fro: a block with friction is where the table is.
@@ -392,8 +366,6 @@ TEST(a_mesh_goes_to_its_carriers_targets)
         mover_run(m, 1);
     }
     assert_close(m->states[id].centre[0], 1 + 0.3 * (1 - cos(2.0)), 0.01);
-    mover_free(m);
-    free(c);
 }
 
 // The floor comes up at 2 m/s under a body that floats.
@@ -417,8 +389,6 @@ TEST(a_hit_has_the_speed_of_the_mesh)
     }
     assert_int_equal(hits, 1);
     assert_close(m->states[id].velocity[2], 2, 1e-3);
-    mover_free(m);
-    free(c);
 }
 
 // ---------------------------------------------------------------- kept, asked
@@ -445,7 +415,6 @@ TEST(a_saved_motion_and_a_recording_go_on_bit_for_bit)
     mover_run(n, 1);
     must_fail(ground_replay(n, ERR), DUET_STATUS_BAD_INPUT, "");
     must_fail(duet_motion_load(n->motion, "begin", ERR), DUET_STATUS_BAD_INPUT, "");
-    free(c);
 }
 
 TEST(a_tree_has_the_mesh_where_it_is)
@@ -462,8 +431,6 @@ TEST(a_tree_has_the_mesh_where_it_is)
     assert_int_equal(found.hits[0].id, m->n + 6);
     assert_close((double)found.hits[0].t, 6.5, 1e-3);
     assert_close((double)found.normals[0].normal[1], -1, 1e-3);
-    mover_free(m);
-    free(c);
 }
 
 // ---------------------------------------------------------------- refused
@@ -490,7 +457,6 @@ TEST(carriers_that_no_mesh_can_have_are_refused)
     mover_run(m, 1);
     must_fail(duet_motion_remove_bodies(m->motion, the_carrier, ERR), DUET_STATUS_BAD_ARGUMENT,
               "body 0 of 1 carries the mesh");
-    free(c);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

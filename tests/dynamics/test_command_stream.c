@@ -7,10 +7,6 @@
 
 #include "runtime/opencl/device_pair.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const char saved[] = "saved";
 static const char past[] = "past";
 

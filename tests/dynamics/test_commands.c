@@ -2,13 +2,9 @@
 // Commands to a motion: what is set, pushed or aimed at, and bodies that come and go.
 #include "support/commands.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 
 #include "runtime/dynamics/motion.h"
-
-#include <math.h>
-#include <string.h>
 
 static const char path[] = "motion"; // name of the file that a test saves
 

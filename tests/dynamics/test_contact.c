@@ -5,11 +5,7 @@
 #include "support/stack.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
-
-#include <math.h>
-#include <string.h>
 
 // ---------------------------------------------------------------- stacks
 

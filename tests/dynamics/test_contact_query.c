@@ -7,12 +7,7 @@
 #include "support/mover.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 // ---------------------------------------------------------------- truth
 

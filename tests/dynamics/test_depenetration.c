@@ -3,10 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-
 static const double edge = 0.5;
 
 static mover *new_deep(uint32_t dims, bool parts)

@@ -5,14 +5,8 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "gen/gen.h"
 #include "runtime/broadphase/world.h"
 #include "runtime/dynamics/motion.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const char path[] = "motion"; // name of the file that a test saves
 
@@ -403,11 +397,11 @@ TEST(kernels_take_no_argument_of_what_is_left_out)
     gen *g = kept(gen_open(NULL, ERR));
     int checked = 0;
     for (size_t k = 0; k < N_KERNELS; ++k) {
-        gen_variant all = variant_without(g, kernels[k], &limits, -1);
+        own(gen_variant) all = variant_without(g, kernels[k], &limits, -1);
         for (int w = 0; w < N_WORDS; ++w) {
             if (!has_param(g, kernels[k], &limits, words[w].param))
                 continue;
-            gen_variant v = variant_without(g, kernels[k], &limits, w);
+            own(gen_variant) v = variant_without(g, kernels[k], &limits, w);
             char defined[80];
             snprintf(defined, sizeof defined, "#define %s 1\n", words[w].param);
             assert_non_null(strstr(all.text, defined));
@@ -418,9 +412,7 @@ TEST(kernels_take_no_argument_of_what_is_left_out)
                     fail_msg("%s without %s takes '%s'", kernels[k], words[w].param, words[w].word);
                 ++checked;
             }
-            gen_variant_free(&v);
         }
-        gen_variant_free(&all);
     }
     assert_true(checked >= 20);
 }
@@ -448,14 +440,13 @@ TEST(no_text_names_a_mesh_or_a_ground_that_is_not_there)
     gen *g = kept(gen_open(NULL, ERR));
     for (size_t k = 0; k < N_KERNELS; ++k)
         for (int ground = 0; ground < 2; ++ground) {
-            gen_variant v = variant_of_ground(g, kernels[k], &limits, ground);
+            own(gen_variant) v = variant_of_ground(g, kernels[k], &limits, ground);
             for (size_t w = 0; w < sizeof of_mesh / sizeof *of_mesh; ++w)
                 if (strstr(v.text, of_mesh[w]))
                     fail_msg("%s with GROUND %d names '%s'", kernels[k], ground, of_mesh[w]);
             for (size_t w = 0; ground == 0 && w < sizeof of_ground / sizeof *of_ground; ++w)
                 if (strstr(v.text, of_ground[w]))
                     fail_msg("%s without a ground names '%s'", kernels[k], of_ground[w]);
-            gen_variant_free(&v);
         }
 }
 

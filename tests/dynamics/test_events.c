@@ -5,10 +5,6 @@
 
 #include "runtime/dynamics/motion.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const char path[] = "motion"; // name of the file that a test saves
 
 // ---------------------------------------------------------------- against the records

@@ -4,8 +4,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <math.h>
-
 static double norm(const double v[3])
 {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);

@@ -8,14 +8,9 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "runtime/dynamics/motion.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 static const char path[] = "forged"; // name of the file

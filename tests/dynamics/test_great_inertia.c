@@ -3,8 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <math.h>
-
 // A body that tumbles, as large as `size` and of that mass, for 2 s; its angular velocity in the
 // end.
 static void tumble(double size, double mass, uint32_t wants, double end[3])

@@ -2,11 +2,8 @@
 // Commands as nobody should give them, and what they meet in unusual worlds.
 #include "support/commands.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "runtime/dynamics/motion_commands.h"
-
-#include <math.h>
 
 static const char path[] = "motion"; // name of the file that a test saves
 

@@ -4,11 +4,6 @@
 #include "support/skin.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <string.h>
-
 static const char path[] = "motion"; // name of the file that a test saves
 
 static duet_contact *contacts_of(mover *m, uint64_t *n)

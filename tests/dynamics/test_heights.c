@@ -4,9 +4,6 @@
 #include "support/test.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // ---------------------------------------------------------------- grounds
 
 typedef struct field {
@@ -47,24 +44,22 @@ static mover *on_ground(const field *f)
 
 TEST(a_level_ground_holds_as_a_floor)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 17, 1, ground_flat);
     mover *m = on_ground(f);
     ground_add_falling(m);
     mover_run(m, 300);
     ground_assert_rest(m);
-    free(f);
 }
 
 TEST(nothing_trips_over_a_seam_of_the_ground)
 {
     static const double speeds[] = {1, 2, 5, 10};
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 65, 1, ground_flat);
     for (int i = 0; i < 4; ++i)
         ground_glide(on_ground(f), speeds[i], i % 2 ? 0 : 0.3);
     ground_glide(on_ground(f), 5, atan2(1, 1)); // along the lines that divide cells
-    free(f);
 }
 
 // ---------------------------------------------------------------- slopes
@@ -72,7 +67,7 @@ TEST(nothing_trips_over_a_seam_of_the_ground)
 // a = g (sin - mu cos) down the slope, from rest; within a substep's gain of speed.
 TEST(boxes_slide_down_a_slope_as_the_closed_form_says)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 97, 0.7, slope);
     double angle = atan(tilt), g = 9.81;
     mover *m = on_ground(f);
@@ -92,12 +87,11 @@ TEST(boxes_slide_down_a_slope_as_the_closed_form_says)
         const double *x = m->states[k].centre;
         assert_close((x[2] + tilt * x[0]) * cos(angle), 0.15, ground_slop);
     }
-    free(f);
 }
 
 TEST(balls_roll_down_a_slope_of_the_ground)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 97, 0.7, slope);
     double angle = atan(tilt);
     mover *m = on_ground(f);
@@ -107,14 +101,13 @@ TEST(balls_roll_down_a_slope_of_the_ground)
     mover_run(m, 120);
     const double *v = m->states[id].velocity;
     assert_close(hypot(v[0], v[2]), 5.0 / 7 * 9.81 * sin(angle) * m->last.time, 0.1);
-    free(f);
 }
 
 // ---------------------------------------------------------------- bent
 
 TEST(balls_come_to_rest_at_the_lowest_point_of_a_bowl)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 61, 0.5, ground_bowl); // a place lies at the lowest point
     mover *m = on_ground(f);
     m->def.drag = 0.8;
@@ -129,7 +122,6 @@ TEST(balls_come_to_rest_at_the_lowest_point_of_a_bowl)
         assert_close(x[2], 0.25, ground_slop);
         mover_restart(m);
     }
-    free(f);
 }
 
 // ---------------------------------------------------------------- all triangles, in double
@@ -183,8 +175,8 @@ static double above_ground(const field *f, vector p)
 TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
 {
     rng r = ground_drawn = rng_seed(test_seed());
-    field *f = malloc(sizeof *f);
-    double *least = malloc(MOVER_MOST * sizeof *least);
+    field *f = test_alloc(sizeof *f);
+    double *least = test_alloc(MOVER_MOST * sizeof *least);
     uint32_t touching = 0;
     for (int round = 0; round < 4; ++round) {
         fill(f, 9 + 8 * (uint32_t)round, 1.0 / (1 + round), ground_rough);
@@ -212,8 +204,6 @@ TEST(balls_are_as_far_from_the_ground_as_from_all_its_triangles)
         }
     }
     assert_true(touching > 200);
-    free(least);
-    free(f);
 }
 
 // ---------------------------------------------------------------- nothing falls through
@@ -276,7 +266,7 @@ static double depth_of_places(const field *f, const mover *m, uint32_t id)
 TEST(nothing_falls_through)
 {
     rng r = ground_drawn = rng_seed(test_seed());
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 65, 0.5, ground_rough);
     mover *m = on_ground(f);
     for (int k = 0; k < 120; ++k)
@@ -298,7 +288,6 @@ TEST(nothing_falls_through)
             fail_msg("shape %u lies %g deep by its corners, %g by the ground's", id % GROUND_KINDS,
                      corners, places);
     }
-    free(f);
 }
 
 // ---------------------------------------------------------------- the same bits
@@ -306,7 +295,7 @@ TEST(nothing_falls_through)
 TEST(any_share_and_any_skin_give_the_same_bits)
 {
     ground_drawn = rng_seed(3);
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 65, 0.5, ground_rough);
     uint64_t expected = ground_hash(on_ground(f), 0, 0, false);
     assert_int_equal(ground_hash(on_ground(f), DUET_SHARE_ONE / 2, 0, false), expected);
@@ -314,14 +303,13 @@ TEST(any_share_and_any_skin_give_the_same_bits)
     assert_int_equal(ground_hash(on_ground(f), 0, 0.3, false), expected);
     assert_int_equal(ground_hash(on_ground(f), 0, 0.3, true),
                      ground_hash(on_ground(f), DUET_SHARE_ONE / 3, 0.05, true));
-    free(f);
 }
 
 // ---------------------------------------------------------------- what is told and kept
 
 TEST(the_ground_is_one_partner_in_events_and_hits)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 9, 1, slope);
     mover *m = on_ground(f);
     m->def.wants |= DUET_EFFECT_EVENTS;
@@ -338,13 +326,12 @@ TEST(the_ground_is_one_partner_in_events_and_hits)
         hits += m->last.n_hits > 0 && m->last.hits[0].b == m->n + 6;
     }
     assert_true(begins >= 1 && hits >= 1);
-    free(f);
 }
 
 // Loads into the motion itself, and into one whose ground is another until then.
 TEST(a_saved_motion_takes_its_ground_along_bit_for_bit)
 {
-    field *f = malloc(sizeof *f), *other = malloc(sizeof *other);
+    field *f = test_alloc(sizeof *f), *other = test_alloc(sizeof *other);
     ground_drawn = rng_seed(5);
     fill(f, 65, 0.5, ground_rough);
     fill(other, 9, 1, slope);
@@ -353,14 +340,12 @@ TEST(a_saved_motion_takes_its_ground_along_bit_for_bit)
     const duet_heights *h = duet_motion_get_def(n->motion)->heights;
     assert_true(h->nx == 65 && h->ny == 65 && h->spacing[1] == 0.5 && h->origin[0] == -16);
     assert_memory_equal(h->heights, f->values, 65 * 65 * sizeof *f->values);
-    free(f);
-    free(other);
 }
 
 // The last replayed step compares the hash.
 TEST(a_recording_is_for_the_ground_that_it_was_made_on)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     ground_drawn = rng_seed(5);
     fill(f, 65, 0.5, ground_rough);
     mover *m = ground_throw(on_ground(f), 1);
@@ -370,7 +355,6 @@ TEST(a_recording_is_for_the_ground_that_it_was_made_on)
     must_fail(ground_replay(n, ERR), DUET_STATUS_BAD_INPUT,
               "recorded on a ground; the motion has another");
     f->values[2000] -= 0x1p-10f;
-    free(f);
 }
 
 // ---------------------------------------------------------------- queries
@@ -384,7 +368,7 @@ static duet_ray_hit cast_down(duet_tree *tree, float x, float y)
 // The id of rays' hits is that of events.
 TEST(a_tree_takes_a_motion_with_its_ground_and_without)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 9, 1, slope);
     mover *m = on_ground(f), *none = mover_new(3);
     none->def.wants |= DUET_EFFECT_CONTACT_RESPONSE;
@@ -399,9 +383,6 @@ TEST(a_tree_takes_a_motion_with_its_ground_and_without)
     assert_int_equal(cast_down(tree, 0, 0).id, 0);
     must(duet_tree_set_motion(tree, none->motion, ERR));
     assert_int_equal(cast_down(tree, 2, 1).id, DUET_NO_OBJECT);
-    mover_free(m);
-    mover_free(none);
-    free(f);
 }
 
 // ---------------------------------------------------------------- hostile grounds
@@ -416,7 +397,7 @@ static void refuse(const mover *m, const duet_heights *h, const char *says)
 
 TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
 {
-    field *f = malloc(sizeof *f);
+    field *f = test_alloc(sizeof *f);
     fill(f, 5, 1, ground_flat);
     mover *m = on_ground(f);
     mover_add_cube(m, 0, 0, 1, 1);
@@ -446,7 +427,6 @@ TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
     refuse(m, &none, "the ground's heights are NULL");
     m->def.dims = 2;
     refuse(m, &f->heights, "heights and meshes are for motions in 3D");
-    free(f);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

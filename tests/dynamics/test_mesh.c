@@ -6,10 +6,6 @@
 #include "support/test.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // ---------------------------------------------------------------- meshes
 
 // Each triangle with corners of its own, in any order, from any corner on: as a file has them.
@@ -18,7 +14,7 @@ static shape *loosened(const shape *s, rng *r)
     shape *loose = shape_new();
     loose->mesh.material = s->mesh.material;
     memcpy(loose->mesh.origin, s->mesh.origin, sizeof s->mesh.origin);
-    uint32_t *order = malloc(s->mesh.n_triangles * sizeof *order);
+    uint32_t *order = test_alloc(s->mesh.n_triangles * sizeof *order);
     for (uint32_t i = 0; i < s->mesh.n_triangles; ++i)
         order[i] = i;
     for (uint32_t i = s->mesh.n_triangles; i > 1; --i) {
@@ -34,7 +30,6 @@ static shape *loosened(const shape *s, rng *r)
         }
         shape_triangle(loose, own[0], own[1], own[2]);
     }
-    free(order);
     return loose;
 }
 
@@ -69,12 +64,11 @@ static shape *random_floor(rng *r, double half, uint32_t cells, int depth)
     shape *s = shape_new();
     shape_grid(s, cells + 1, 2 * half / cells, ground_flat);
     uint32_t n = s->mesh.n_triangles;
-    uint32_t *old = malloc(3 * n * sizeof *old);
+    uint32_t *old = test_alloc(3 * n * sizeof *old);
     memcpy(old, s->triangles, 3 * n * sizeof *old);
     s->mesh.n_triangles = 0;
     for (uint32_t i = 0; i < n; ++i)
         divide(s, r, old[3 * i], old[3 * i + 1], old[3 * i + 2], depth);
-    free(old);
     return s;
 }
 
@@ -92,8 +86,6 @@ TEST(a_level_mesh_of_any_triangles_holds_as_a_box)
         ground_assert_rest(m);
         mover_free(m);
     }
-    free(s);
-    free(loose);
 }
 
 static void glide(const shape *s, double speed, double direction)
@@ -111,8 +103,6 @@ TEST(nothing_trips_over_a_seam_of_a_mesh)
     for (int i = 0; i < 4; ++i)
         glide(i % 2 ? s : loose, speeds[i], i % 2 ? 0 : 0.3);
     glide(loose, 5, atan2(1, 1)); // along the lines that divide cells
-    free(s);
-    free(loose);
 }
 
 // ---------------------------------------------------------------- beside heights
@@ -126,7 +116,7 @@ typedef struct field {
 // A grid of heights, and the same as a mesh.
 static field *field_new(uint32_t n, double spacing, double (*height)(double x, double y))
 {
-    field *f = calloc(1, sizeof *f);
+    field *f = test_alloc(sizeof *f);
     double half = (n - 1) * spacing / 2;
     f->triangles = shape_new();
     shape_grid(f->triangles, n, spacing, height);
@@ -138,12 +128,6 @@ static field *field_new(uint32_t n, double spacing, double (*height)(double x, d
                                 .spacing = {spacing, spacing},
                                 .heights = f->values};
     return f;
-}
-
-static void field_free(field *f)
-{
-    free(f->triangles);
-    free(f);
 }
 
 // The contact of a body with that direction; NULL: none.
@@ -269,8 +253,6 @@ TEST(contacts_are_those_of_heights)
         assert_true(compare_contacts(m, truth) > 50);
         mover_free(m);
         mover_free(truth);
-        free(loose);
-        field_free(f);
     }
 }
 
@@ -317,7 +299,7 @@ static void add_star(shape *s, rng *r, vector at, double radius, uint32_t n)
 TEST(balls_are_as_far_from_a_mesh_as_from_all_its_triangles)
 {
     rng r = rng_seed(test_seed());
-    double *least = malloc(MOVER_MOST * sizeof *least);
+    double *least = test_alloc(MOVER_MOST * sizeof *least);
     uint32_t touching = 0;
     for (int round = 0; round < 4; ++round) {
         shape *star = shape_new();
@@ -350,11 +332,8 @@ TEST(balls_are_as_far_from_a_mesh_as_from_all_its_triangles)
                     fail_msg("round %d, ball %u: %g apart, not %g", round, id, least[id], expected);
         }
         mover_free(m);
-        free(star);
-        free(loose);
     }
     assert_true(touching > 200);
-    free(least);
 }
 
 // ---------------------------------------------------------------- solids
@@ -409,7 +388,6 @@ TEST(a_step_of_triangles_is_one_of_boxes)
             if (!(fabs(states[0][id].centre[k] - states[1][id].centre[k]) < 0.02))
                 fail_msg("body %d: %c is %g, not %g", id, "xyz"[k], states[0][id].centre[k],
                          states[1][id].centre[k]);
-    free(s);
 }
 
 // ---------------------------------------------------------------- nothing falls through
@@ -435,7 +413,6 @@ TEST(nothing_falls_through_a_mesh)
                          5 * (i + 1));
         }
     }
-    field_free(f);
 }
 
 // A box of triangles that look inward: nothing leaves it.
@@ -464,7 +441,6 @@ TEST(a_hollow_holds_what_is_in_it)
                     fail_msg("kind %u has its %c at %g after %d steps", id % GROUND_KINDS,
                              "xyz"[axis], m -> states[id].centre[axis], 5 * (i + 1));
     }
-    free(s);
 }
 
 static void add_plates(mover *m, int n, double half, double mass, double speed)
@@ -511,7 +487,6 @@ TEST(what_is_pressed_into_a_mesh_stays_on_it)
                          m->states[id].centre[2]);
         mover_free(m);
     }
-    free(s);
 }
 
 // A ridge along y, 0.25 high, on a floor.
@@ -547,7 +522,6 @@ TEST(what_is_pressed_onto_a_ridge_comes_off_it)
                          masses[c / 4], id, m->states[id].centre[0], m->states[id].centre[1],
                          m->states[id].centre[2]);
         mover_free(m);
-        free(s);
     }
 }
 
@@ -575,7 +549,6 @@ TEST(what_is_pressed_into_rough_ground_comes_out)
                          height_at(f, c[0], c[1]) - c[2]);
         }
         mover_free(m);
-        field_free(f);
     }
 }
 
@@ -593,7 +566,6 @@ TEST(what_is_put_behind_a_mesh_is_not_brought_back)
     must(duet_motion_set_poses(m->motion, (duet_body_list){.first = id, .n = 1}, &below, ERR));
     mover_run(m, 60);
     assert_close(m->states[id].centre[2], -1.5 - 9.81 / 2, 0.1);
-    free(s);
 }
 
 TEST(a_triangle_holds_on_one_side)
@@ -609,7 +581,6 @@ TEST(a_triangle_holds_on_one_side)
     assert_close(m->states[below].centre[2], -1 + 7 * 0.4 - 9.81 / 2 * 0.16, 0.05);
     mover_run(m, 120);
     assert_close(m->states[below].centre[2], 0.15, 2 * ground_slop);
-    free(s);
 }
 
 // ---------------------------------------------------------------- the same bits, kept
@@ -624,7 +595,6 @@ TEST(any_share_and_any_skin_give_the_same_bits)
     assert_int_equal(ground_hash(on_mesh(f->triangles), 0, 0.3, false), expected);
     assert_int_equal(ground_hash(on_mesh(f->triangles), 0, 0.3, true),
                      ground_hash(on_mesh(f->triangles), DUET_SHARE_ONE / 3, 0.05, true));
-    field_free(f);
 }
 
 // Loads into the motion itself, and into one whose mesh is another until then.
@@ -638,8 +608,6 @@ TEST(a_saved_motion_takes_its_mesh_along_bit_for_bit)
     const duet_mesh *mesh = duet_motion_get_def(n->motion)->mesh;
     assert_true(mesh->n_vertices == 33 * 33 && mesh->n_triangles == 2 * 32 * 32);
     assert_memory_equal(mesh->triangles, f->triangles->triangles, 6 * 32 * 32 * sizeof(uint32_t));
-    field_free(f);
-    field_free(other);
 }
 
 TEST(heights_load_no_mesh_nor_the_reverse)
@@ -655,7 +623,6 @@ TEST(heights_load_no_mesh_nor_the_reverse)
     must(duet_motion_save(n->motion, "saved", ERR));
     must_fail(duet_motion_load(m->motion, "saved", ERR), DUET_STATUS_BAD_INPUT,
               "meshes: 0 in the file, 1 in the motion");
-    field_free(f);
 }
 
 TEST(a_recording_is_for_the_mesh_that_it_was_made_on)
@@ -668,7 +635,6 @@ TEST(a_recording_is_for_the_mesh_that_it_was_made_on)
     mover *n = ground_throw(on_mesh(f->triangles), 1);
     must_fail(ground_replay(n, ERR), DUET_STATUS_BAD_INPUT,
               "recorded on a ground; the motion has another");
-    field_free(f);
 }
 
 TEST(a_tree_takes_a_motion_with_its_mesh_and_without)
@@ -690,9 +656,6 @@ TEST(a_tree_takes_a_motion_with_its_mesh_and_without)
     must(duet_tree_set_motion(tree, none->motion, ERR));
     found = seek_points(query, &at, 1);
     assert_int_equal(found.hits[1].id, DUET_NO_OBJECT);
-    mover_free(m);
-    mover_free(none);
-    free(s);
 }
 
 TEST(a_mesh_is_one_partner_and_may_have_a_material)
@@ -717,7 +680,6 @@ TEST(a_mesh_is_one_partner_and_may_have_a_material)
     }
     assert_int_equal(begins, 1);
     assert_true(mover_speed(m, id) < 0.01);
-    free(s);
 }
 
 // ---------------------------------------------------------------- hostile meshes
@@ -775,8 +737,6 @@ TEST(meshes_that_no_motion_can_have_are_refused_in_a_line)
     s->mesh.material = 0;
     m->def.dims = 2;
     refuse(m, s, "heights and meshes are for motions in 3D");
-    free(s);
-    field_free(f);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -8,12 +8,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/program.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { STEPS = 6, MOST_OFFERS = 64 };
 

@@ -3,12 +3,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "runtime/duet_motion_commands.h"
-#include "runtime/duet_motion_map.h"
 #include "runtime/dynamics/motion.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { CUBES = 24 };
 

@@ -3,11 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <string.h>
-
 enum { SOME = 100 };
 
 static mover *new_pile(int way)

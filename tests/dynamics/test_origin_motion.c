@@ -3,9 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <string.h>
-
 static const double far[3] = {1e7, -1e6, 1e4};
 
 static mover *mover_in_cells(uint32_t dims, const double at[3])

@@ -3,11 +3,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/dynamics/motion.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { OBJECTS = 300 };
 
@@ -72,7 +68,6 @@ TEST(energies_have_the_same_bits_in_any_order)
         plain_differs += plain_kinetic(m) != plain;
     }
     assert_true(plain_differs > 0); // else the numbers are too tame to tell
-    mover_free(m);
 }
 
 // Bodies that are read in several parts. The speeds are 1, 2 and so on.
@@ -106,7 +101,6 @@ TEST(sums_have_each_body_once)
     test_free(states);
     test_free(bodies);
     test_free(poses);
-    mover_free(m);
 }
 
 static double plain_extents(const mover *m)
@@ -131,7 +125,6 @@ TEST(the_mean_extent_has_the_same_bits_in_any_order)
         plain_differs += plain_extents(m) != plain;
     }
     assert_true(plain_differs > 0);
-    mover_free(m);
 }
 
 static mover *make_pile(void)
@@ -157,8 +150,6 @@ TEST(plans_that_change_at_each_step_change_no_bit)
         plan.mode = modes[rng_below(&r, 3)];
         must(duet_motion_set_plan(m->motion, &plan, ERR));
     }
-    mover_free(fixed);
-    mover_free(m);
 }
 
 // Bounds count from the first body's origin cell. Wherever that is, bounds hold what they must,

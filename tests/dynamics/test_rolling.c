@@ -3,8 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <math.h>
-
 static const double g = 9.81;
 
 typedef struct ball {

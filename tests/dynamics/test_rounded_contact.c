@@ -7,13 +7,8 @@
 #include "support/mover.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/opencl/device_pair.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 160, MOST_PAIRS = BOXES * BOXES / 2 };
 

@@ -4,10 +4,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-
 static uint32_t add_round(mover *m, double x, double y, double z, const double half[3],
                           double radius)
 {

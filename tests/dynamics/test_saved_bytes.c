@@ -3,11 +3,7 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
-
-#include <stdio.h>
-#include <string.h>
 
 enum { PILE = 250 };
 
@@ -87,17 +83,15 @@ TEST(the_bytes_of_a_state_do_not_tell_which_devices_made_it)
     for (int i = 0; i < 4; ++i) {
         int kind = (int)rng_below(&r, KINDS);
         uint32_t steps = 1 + rng_below(&r, 60);
-        text right = bytes_after(one, kind, &ways[0], steps);
+        own(text) right = bytes_after(one, kind, &ways[0], steps);
         for (int k = 0; k < WAYS; ++k) {
             bool is_one = strcmp(ways[k].pair, "cpu") == 0;
-            text bytes = bytes_after(is_one ? one : two, kind, &ways[k], steps);
+            own(text) bytes = bytes_after(is_one ? one : two, kind, &ways[k], steps);
             bool same = bytes.length == right.length &&
                         memcmp(text_chars(&bytes), text_chars(&right), right.length) == 0;
             if (!same)
                 fail_msg("%s, kind %d, %u steps: other bytes", ways[k].name, kind, steps);
-            text_free(&bytes);
         }
-        text_free(&right);
     }
     duet_device_pair_destroy(two);
     duet_device_pair_destroy(one);

@@ -4,10 +4,6 @@
 #include "support/lanes.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-
 // ---------------------------------------------------------------- rides
 
 typedef struct {

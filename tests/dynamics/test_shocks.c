@@ -3,11 +3,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <string.h>
-
 enum { MOST = 16 };
 static const double half = 0.25;
 

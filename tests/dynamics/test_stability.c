@@ -5,9 +5,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // ---------------------------------------------------------------- time steps
 
 // Steps far too short or too long show nothing true, but numbers.

@@ -5,11 +5,6 @@
 #include "support/stack.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <stdio.h>
-
 static duet_substep_info explain(mover *m)
 {
     duet_substep_info info;

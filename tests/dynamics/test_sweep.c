@@ -5,10 +5,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-
 // ---------------------------------------------------------------- what became of it
 
 // How far a body reaches along x.

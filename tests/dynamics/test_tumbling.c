@@ -5,10 +5,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-
 enum { BOXES = 200, STEPS = 2000, SUBSTEPS = 50 };
 
 typedef struct kept {

@@ -4,8 +4,6 @@
 #include "gen/field.h"
 #include "gen/sandbox.h"
 
-#include <string.h>
-
 static const char *const names[] = {"n", "cell", "fixed", "name", "world", NULL};
 
 typedef struct settings {

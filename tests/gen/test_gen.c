@@ -3,14 +3,10 @@
 #include "support/golden.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
 #include "gen/gen.h"
 
 #include <sha256.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
 static const gen_limits cpu = {
@@ -18,10 +14,9 @@ static const gen_limits cpu = {
 
 static gen *open_test_kernels(void)
 {
-    text dir = {0};
+    own(text) dir = {0};
     text_add(&dir, "%s/kernels", getenv("DUET_TEST_DATA"));
     gen *g = kept(gen_open(dir.chars, ERR));
-    text_free(&dir);
     return g;
 }
 
@@ -47,11 +42,10 @@ static duet_error make_with(const char *card, const char *body_file, const char 
     write_file(body_file, body);
     duet_error err = {0};
     gen *g = kept(gen_open(folder, ERR));
-    gen_variant v;
+    own(gen_variant) v;
     bool ok = gen_make(g, "k", NULL, 0, &gpu, &v, &err);
     assert_int_equal(ok, v.text != NULL);
     snprintf(made, sizeof made, "%s", ok ? v.text : "");
-    gen_variant_free(&v);
     return err;
 }
 
@@ -95,7 +89,7 @@ TEST(what_was_made_before_changes_no_text)
         const char *name = names[rng_below(&r, 3)];
         const gen_limits *limits = rng_below(&r, 2) ? &gpu : &cpu;
         gen_setting config[64];
-        gen_variant used, fresh;
+        own(gen_variant) used, fresh;
         const gen_param *params;
         uint32_t n;
         uint64_t count;
@@ -109,8 +103,6 @@ TEST(what_was_made_before_changes_no_text)
         assert_string_equal(used.sha256, fresh.sha256);
         assert_string_equal(used.name, fresh.name);
         assert_int_equal(used.n_entries, fresh.n_entries);
-        gen_variant_free(&used);
-        gen_variant_free(&fresh);
         gen_close(other);
     }
 }
@@ -118,12 +110,11 @@ TEST(what_was_made_before_changes_no_text)
 TEST(the_hash_is_of_the_text)
 {
     gen *g = open_test_kernels();
-    gen_variant v;
+    own(gen_variant) v;
     must(gen_make(g, "plain", NULL, 0, &gpu, &v, ERR));
     char sum[65];
     SHA256Data((const uint8_t *)v.text, strlen(v.text), sum);
     assert_string_equal(v.sha256, sum);
-    gen_variant_free(&v);
 }
 
 TEST(texts_are_as_expected)
@@ -145,13 +136,12 @@ TEST(a_variant_is_named_by_what_varies)
 {
     gen_setting settings[] = {{"SHIFT", 5}, {"PER_ITEM", 1}, {"FACTOR", 3}};
     gen *g = open_test_kernels();
-    gen_variant v;
+    own(gen_variant) v;
     must(gen_make(g, "plain", settings, 3, &cpu, &v, ERR));
     assert_string_equal(v.name, "plain.FACTOR3.WG1.PER_ITEM1");
     assert_non_null(strstr(v.text, "#define SHIFT 5\n"));
     assert_int_equal(v.group, 1);
     assert_int_equal(v.per_item, 1);
-    gen_variant_free(&v);
 }
 
 // ------------------------------------------------------- configs
@@ -199,14 +189,12 @@ TEST(a_kernel_takes_the_offers_that_are_for_it)
     const bool meant[5] = {true, true, false, true, false};
     const gen_setting settings[] = {{"SHIFT", 3}, {"WG", 256}};
     gen *g = open_test_kernels();
-    gen_variant offered, set;
+    own(gen_variant) offered, set;
     must(gen_make_offered(g, "plain", offers, 5, &gpu, &offered, ERR));
     must(gen_make(g, "plain", settings, 2, &gpu, &set, ERR));
     assert_string_equal(offered.text, set.text);
     assert_string_equal(offered.name, set.name);
     assert_memory_equal(taken, meant, sizeof taken);
-    gen_variant_free(&offered);
-    gen_variant_free(&set);
 }
 
 TEST(offers_that_do_not_fit_are_refused)
@@ -509,13 +497,11 @@ TEST(a_folder_takes_only_the_common_header_from_carried_files)
 
 static void expect_same_text(gen *g, gen *other, const char *name)
 {
-    gen_variant v, w;
+    own(gen_variant) v, w;
     must(gen_make(g, name, NULL, 0, &gpu, &v, ERR));
     must(gen_make(other, name, NULL, 0, &gpu, &w, ERR));
     assert_string_equal(v.text, w.text);
     assert_string_equal(v.sha256, w.sha256);
-    gen_variant_free(&v);
-    gen_variant_free(&w);
 }
 
 TEST(an_added_kernel_is_the_kernel_of_a_folder)

@@ -11,9 +11,6 @@
 #include "base/text_file.h"
 #include "gen/gen.h"
 
-#include <stdio.h>
-#include <string.h>
-
 static const gen_limits gpu = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
 static const gen_limits cpu = {
     .max_group = 4096, .local_bytes = 1 << 20, .fp64 = true, .cpu = true};
@@ -91,19 +88,17 @@ static void write_made(gen *g, const char *kernel, const gen_limits *limits, int
                        const char *path)
 {
     gen_setting setting = {"DIMS", dims};
-    gen_variant v;
-    text made = {0};
+    own(gen_variant) v;
+    own(text) made = {0};
     must(gen_make(g, kernel, &setting, has_dims(g, kernel), limits, &v, ERR));
     add_what_is_made(v.text, &made);
     must(text_write_file(path, made.chars, made.length, ERR));
-    text_free(&made);
-    gen_variant_free(&v);
 }
 
 static void check(gen *g, const char *kernel)
 {
     char file[80], bytes[4096];
-    text both = {0};
+    own(text) both = {0};
     write_made(g, kernel, &cpu, 2, "golden.cpu.cl");
     write_made(g, kernel, &gpu, 3, "golden.gpu.cl");
     FILE *diff = popen("diff -d -D GPU golden.cpu.cl golden.gpu.cl", "r");
@@ -113,7 +108,6 @@ static void check(gen *g, const char *kernel)
     assert_true(pclose(diff) >= 0);
     snprintf(file, sizeof file, "%s.cl", kernel);
     golden_check(file, text_chars(&both));
-    text_free(&both);
 }
 
 static bool is_template(const char *kernel)

@@ -3,8 +3,6 @@
 
 #include "gen/sandbox.h"
 
-#include <string.h>
-
 static void assert_says(const char *chunk, const char *wanted)
 {
     duet_error err = {0};

@@ -3,9 +3,6 @@
 
 #include "gen/sandbox.h"
 
-#include <stdio.h>
-#include <string.h>
-
 static const script_limits tight = {.memory_bytes = 4 << 20, .instructions = 2000000, .seconds = 5};
 
 static bool run(script *s, const char *chars, int n_results, duet_error *err)

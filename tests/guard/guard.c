@@ -3,13 +3,9 @@
 
 #include "support/test.h"
 
-#include "base/error.h"
 #include "runtime/opencl/buffer.h"
 
 #include <pthread.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { GUARD_BYTES = 4096, PATTERN = 0xA5, MOST = 256 };
 

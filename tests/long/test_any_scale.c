@@ -7,11 +7,6 @@
 #include "support/agreement.h"
 #include "support/devices.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <stdlib.h>
-
 enum { MOST = 300, ROUNDS = 300 };
 
 // How a scene is drawn: about `centre`, as far as 2^reach, in steps of 2^step or

@@ -7,15 +7,10 @@
 #include "support/hard_pairs.h"
 
 #include "base/clock.h"
-#include "base/rng.h"
 #include "support/narrow_float.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 #define PAIRS 100000000

@@ -6,11 +6,6 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 // Upright cubes in one cell of edge 1.
 static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t max_pairs)
 {

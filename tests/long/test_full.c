@@ -4,10 +4,6 @@
 // share, against the plain C reference.
 #include "support/test.h"
 
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 // Bytes that a device may hold for an object, and for a pair.
 enum { OBJECT_BYTES = 200, PAIR_BYTES = 16 };
 

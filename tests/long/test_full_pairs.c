@@ -7,7 +7,6 @@
 #include "support/devices.h"
 #include "support/hard_test.h"
 
-#include <inttypes.h>
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -6,11 +6,6 @@
 #include "support/devices.h"
 #include "support/large.h"
 
-#include "base/rng.h"
-#include "runtime/narrowphase/origin.h"
-
-#include <string.h>
-
 static uint64_t check_cloud(const duet_world_def *def, double at, double most, uint64_t seed)
 {
     rng r = rng_seed(seed);

@@ -6,10 +6,6 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
-
-#include <string.h>
-
 enum { OBJECTS = 600 };
 
 // Features that a scene may have; what it has not is left out of its kernels.

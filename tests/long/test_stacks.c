@@ -4,9 +4,6 @@
 #include "support/stack.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 TEST(tall_stacks_stand_for_a_minute)
 {
     stack_figures f = stack_figures_read();

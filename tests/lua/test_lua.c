@@ -10,9 +10,6 @@
 #include <poll.h>
 #include <pty.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -181,7 +178,7 @@ static int terminal_close(terminal *t)
 TEST(tab_completes_and_history_is_kept)
 {
     char here[4096];
-    text home = {0};
+    own(text) home = {0};
     text_add(&home, "%s/test_lua.state", getcwd(here, sizeof here));
     terminal t = terminal_open(home.chars);
     terminal_wait(&t, "> ");
@@ -207,7 +204,6 @@ TEST(tab_completes_and_history_is_kept)
     assert_int_equal(remove(HISTORY), 0);
     rmdir("test_lua.state/duet");
     rmdir("test_lua.state");
-    text_free(&home);
 
     t = terminal_open("/dev/null"); // no place for it
     terminal_wait(&t, "> ");

@@ -5,11 +5,7 @@
 #include "support/hard_pairs.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/scene/reference.h"
-
-#include <inttypes.h>
-#include <string.h>
 
 // The first of the hard classes are of ordinary sizes.
 enum { OBJECTS = 900, HARD = 100, HARD_CLASSES = 10 };

@@ -6,11 +6,8 @@
 
 #include "support/hard_pairs.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/sat_frame.h"
-
-#include <math.h>
 
 enum { CLIMBS = 200, STEPS = 10000 };
 

@@ -10,8 +10,6 @@
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/sat_frame.h"
 
-#include <math.h>
-
 enum { PAIRS = 10000 }; // pairs of each of 22 classes
 
 static bool promise_holds(duet_level l, const hard_pair *p, uint32_t dims)

@@ -6,12 +6,9 @@
 #include "support/hard_pairs.h"
 #include "support/oracle.h"
 
-#include "base/rng.h"
 #include "support/narrow_float.h"
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 // Does `check` for n pairs of each class, in 3D and in 2D; it says whether the
 // fact holds.

@@ -7,13 +7,10 @@
 #include "support/hard_pairs.h"
 #include "support/promise.h"
 
-#include "gen/gen.h"
 #include "kernels/counters.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/opencl/program.h"
 #include "support/narrow_float.h"
-
-#include <string.h>
 
 #define PLAIN "-cl-std=CL1.2"
 
@@ -170,12 +167,11 @@ static void compare_with_specification(int side, uint32_t dims, const char *opti
     static narrow_answer answers[PAIRS];
     const device *d = &devices->devices[side];
     fill_with_hard_pairs(poses, dims);
-    gen_variant made = make_narrow(d, dims);
+    own(gen_variant) made = make_narrow(d, dims);
     cl_program program = build(d, &made, options);
     assert_non_null(program);
     run(d, &made, program, poses, answers);
     clReleaseProgram(program);
-    gen_variant_free(&made);
     for (int i = 0; i < PAIRS; ++i) {
         hard_pair pair = {poses[2 * i], poses[2 * i + 1]};
         narrow_answer right = narrow_float(&pair.a, &pair.b, dims, true);
@@ -233,7 +229,7 @@ static void ask_test_pairs(const device *d, cl_program program, const gen_varian
 static void ask_level(const device *d, duet_level level, bool contracted, duet_pose *poses,
                       uint8_t answers[PAIRS])
 {
-    gen_variant made;
+    own(gen_variant) made;
     gen_limits limits = program_limits(&d->info);
     const gen_setting settings[] = {{"DIMS", 3}, {"ACCURACY", level}};
     must(gen_make(kernels, "pair_query", settings, 2, &limits, &made, ERR));
@@ -245,7 +241,6 @@ static void ask_level(const device *d, duet_level level, bool contracted, duet_p
     assert_non_null(program);
     ask_test_pairs(d, program, &made, poses, answers);
     clReleaseProgram(program);
-    gen_variant_free(&made);
 }
 
 // A level is defined operation by operation, so contraction may change what it says of a pair, and
@@ -276,10 +271,9 @@ TEST(relaxed_arithmetic_is_refused_by_every_kernel)
     const device *d = &devices->devices[1];
     gen_limits limits = program_limits(&d->info);
     for (uint32_t i = 0; gen_kernel(kernels, i); ++i) {
-        gen_variant made;
+        own(gen_variant) made;
         must(gen_make(kernels, gen_kernel(kernels, i), NULL, 0, &limits, &made, ERR));
         assert_null(build(d, &made, PLAIN " -cl-fast-relaxed-math"));
-        gen_variant_free(&made);
     }
 }
 

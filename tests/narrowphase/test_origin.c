@@ -9,12 +9,8 @@
 #include "support/oracle.h"
 #include "support/scene_file.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/level.h"
 #include "runtime/narrowphase/origin.h"
-
-#include <math.h>
-#include <string.h>
 
 // ------------------------------------------------------------ positions
 

@@ -5,13 +5,6 @@
 #include "support/devices.h"
 #include "support/hard_test.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static duet_pair_query *open_test(duet_level level, uint32_t share)
 {
     duet_pair_query_def def = duet_default_pair_query_def();

@@ -9,12 +9,7 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { COLUMNS = 10, NUMBERS = 2 * COLUMNS };
 

@@ -3,13 +3,8 @@
 // that two nearest points lie on, and cases that touch exactly.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/level.h"
 #include "runtime/narrowphase/rounded.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
 
 enum { RANDOM_PAIRS = 1500, WHOLE_PAIRS = 40000 };
 

@@ -5,15 +5,11 @@
 #include "base/text_file.h"
 #include "runtime/opencl/buffer.h"
 #include "runtime/opencl/cache.h"
-#include "runtime/opencl/device.h"
 #include "runtime/opencl/program.h"
 
 #include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,7 +41,7 @@ static void entry_path(char path[160])
 
 static void assert_kept(bool kept)
 {
-    text found = {0};
+    own(text) found = {0};
     assert_int_equal(cache_get(dir, key, &found), kept);
     if (kept)
         assert_int_equal(found.length, sizeof binary);
@@ -53,7 +49,6 @@ static void assert_kept(bool kept)
         assert_memory_equal(found.chars, binary, sizeof binary);
     else
         assert_null(found.chars);
-    text_free(&found);
 }
 
 TEST(what_was_kept_comes_back)
@@ -74,7 +69,7 @@ TEST(what_was_kept_comes_back)
 TEST(a_damaged_entry_is_as_if_it_were_not_there)
 {
     char path[160];
-    text whole = {0};
+    own(text) whole = {0};
     entry_path(path);
     assert_true(cache_put(dir, key, binary, sizeof binary));
     must(text_read_file(&whole, path, ERR));
@@ -91,7 +86,6 @@ TEST(a_damaged_entry_is_as_if_it_were_not_there)
     assert_kept(false);
     assert_true(cache_put(dir, key, binary, sizeof binary));
     assert_kept(true);
-    text_free(&whole);
 }
 
 TEST(an_entry_under_anothers_name_is_not_taken)
@@ -334,10 +328,9 @@ static void *write_and_read(void *unused)
 {
     (void)unused;
     for (int i = 0; i < 200; ++i) {
-        text found = {0};
+        own(text) found = {0};
         cache_put(dir, key, binary, sizeof binary);
         bool whole = !cache_get(dir, key, &found) || found.length == sizeof binary;
-        text_free(&found);
         if (!whole)
             return "an entry came back in part";
     }
@@ -457,7 +450,7 @@ TEST(a_program_is_built_from_its_entry_or_else_again)
 {
     duet_error err = {0};
     char path[160];
-    text entry = {0}, again = {0};
+    own(text) entry = {0}, again = {0};
     compiled = 0;
     build_one();
     assert_int_equal(compiled, 1);
@@ -483,8 +476,6 @@ TEST(a_program_is_built_from_its_entry_or_else_again)
     assert_int_equal(chmod(path, 0), 0);
     assert_int_equal(chmod(dir, 0500), 0);
     build_one();
-    text_free(&entry);
-    text_free(&again);
     assert_int_equal(device_live_objects(), 0);
 }
 
@@ -495,14 +486,13 @@ TEST(a_device_keeps_what_was_built_last)
     duet_error err = {0};
     device d;
     char path[160];
-    text entry = {0};
+    own(text) entry = {0};
     must(device_open(&d, "pocl:0", ERR));
     build_on(&d);
     only_entry(&entry, path, &err);
     remove(path);
     build_on(&d);
     assert_int_not_equal(access(path, F_OK), 0);
-    text_free(&entry);
     device_close(&d);
     assert_int_equal(device_live_objects(), 0);
 }

@@ -2,21 +2,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "base/rng.h"
-#include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/driver.h"
-#include "runtime/opencl/program.h"
 #include "runtime/opencl/program_build.h"
 #include "runtime/opencl/thread_pool.h"
 #include "runtime/opencl/timeline.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // A CPU that can be cut into parts; skips the test where there is none.
 static const duet_device_info *cuttable_cpu(void)
@@ -521,7 +514,7 @@ static void compile_declared(const device *d, gen *g, const char *name, uint64_t
     const gen_param *params = NULL;
     uint32_t n_params = 0;
     gen_setting config[MOST_PARAMS];
-    gen_variant v;
+    own(gen_variant) v;
     must(gen_params(g, name, &limits, &params, &n_params, ERR));
     assert_true(n_params <= MOST_PARAMS);
     must(gen_config(g, name, &limits, index, config, ERR));
@@ -533,7 +526,6 @@ static void compile_declared(const device *d, gen *g, const char *name, uint64_t
     if (clCompileProgram(p, 1, &d->id, options, 0, NULL, NULL, NULL, NULL) != CL_SUCCESS)
         fail_msg("%s calls what kernels/built_ins.clh does not declare", v.name);
     clReleaseProgram(p);
-    gen_variant_free(&v);
 }
 
 // Takes the first config of each kernel and the last, which differ in every parameter.

@@ -6,13 +6,10 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
-#include "runtime/opencl/driver.h"
 
 #include <dlfcn.h>
 #include <stdatomic.h>
-#include <string.h>
 
 // ------------------------------------------------------------ calls that fail
 

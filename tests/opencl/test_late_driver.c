@@ -4,7 +4,6 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "runtime/opencl/buffer.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/timeline.h"
 
@@ -12,8 +11,6 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { LATE_US = 700000, MOMENT_US = 20000 };

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Arguments reach kernels by their names: cards whose arguments the host does not know, or
 // knows otherwise, are refused when the kernel is built, and their order is the card's own.
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "support/kernels.h"
 #include "support/test.h"
-
-#include <string.h>
 
 #define FOLDER "test_launcher.kernels"
 
@@ -20,7 +17,7 @@ static duet_device_pair *pair;
 // Replaces a piece of a card that stands there once.
 static void change(const char *card, const char *from, const char *to)
 {
-    text path = {0}, chars = {0}, changed = {0};
+    own(text) path = {0}, chars = {0}, changed = {0};
     text_add(&path, "%s/%s", FOLDER, card);
     must(text_read_file(&chars, path.chars, ERR));
     char *at = strstr(chars.chars, from);
@@ -28,9 +25,6 @@ static void change(const char *card, const char *from, const char *to)
     assert_null(strstr(at + 1, from));
     text_add(&changed, "%.*s%s%s", (int)(at - chars.chars), chars.chars, to, at + strlen(from));
     must(text_write_file(path.chars, changed.chars, changed.length, ERR));
-    text_free(&path);
-    text_free(&chars);
-    text_free(&changed);
 }
 
 static void open_folder(void)

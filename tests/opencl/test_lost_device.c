@@ -8,13 +8,8 @@
 #include "lost/lost.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/broadphase/world.h"
-#include "runtime/duet_motion_map.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 enum { N = 3000, MOVING = 12, STEPS = 3 };

@@ -3,12 +3,10 @@
 #define _DEFAULT_SOURCE
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/scan.h"
 
 #include <pthread.h>
-#include <string.h>
 #include <unistd.h>
 
 enum { MOST = 300000 };

@@ -2,7 +2,6 @@
 // Loops, jobs and calls of a thread pool, beside what one thread does alone.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/thread_pool.h"
 
 #include <stdatomic.h>

@@ -2,18 +2,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "profiles/exchange.h"
 #include "profiles/level_cost.h"
-#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 typedef struct two_stores {
     test_folder folder;
@@ -229,7 +222,7 @@ TEST(a_poisoned_store_is_told_of_and_still_goes_out)
 {
     two_stores two = open_two();
     tune_one(two.s, 1000);
-    text report = {0};
+    own(text) report = {0};
     uint32_t problems = 0;
     must(sql_script(two.s,
                     "UPDATE profile SET terms = '{\"x\":1},\"evil\":{\"a\":2}';"
@@ -247,7 +240,6 @@ TEST(a_poisoned_store_is_told_of_and_still_goes_out)
     profile_import_counts counts;
     must(import_lines(two.other, lines, &counts, ERR));
     assert_int_equal(test_count(two.other, "profile"), 1);
-    text_free(&report);
     free(lines);
 }
 
@@ -288,11 +280,10 @@ TEST(spoilt_bytes_never_break_the_store)
         free(lines);
     }
     assert_true(refused > 50);
-    text report = {0};
+    own(text) report = {0};
     uint32_t problems = 0;
     must(profile_check(two.other, &report, &problems, ERR));
     assert_int_equal(problems, 0);
-    text_free(&report);
 }
 
 TEST(a_merge_keeps_two_machines_apart)
@@ -398,7 +389,7 @@ TEST(a_check_finds_what_was_tampered_with)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         two_stores two = open_two();
         tune_one(two.s, 1000);
-        text report = {0};
+        own(text) report = {0};
         uint32_t problems = 0;
         must(profile_check(two.s, &report, &problems, ERR));
         assert_int_equal(problems, 0);
@@ -406,7 +397,6 @@ TEST(a_check_finds_what_was_tampered_with)
         must(profile_check(two.s, &report, &problems, ERR));
         assert_true(problems > 0);
         assert_non_null(strstr(text_chars(&report), cases[i].says));
-        text_free(&report);
     }
 }
 

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "profiles/forecast.h"
-
-#include <math.h>
 
 TEST(a_fit_finds_the_times_it_was_made_from)
 {

@@ -3,10 +3,6 @@
 
 #include "support/look.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static look_fixture f; // the test's
 
 static int begin(void **state)
@@ -107,11 +103,10 @@ static double best_share(uint64_t n)
 static void assert_why_of(const profile_request *request, const char *says)
 {
     profile_found found;
-    text why = {0};
+    own(text) why = {0};
     must(profile_lookup(f.s, request, &found, &why, ERR));
     if (!strstr(text_chars(&why), says))
         fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
-    text_free(&why);
 }
 
 static void assert_why(uint64_t n, const char *says)

@@ -9,9 +9,6 @@
 #include "support/look.h"
 
 #include <dirent.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 // ------------------------------------------------------------------------ two files
@@ -32,8 +29,8 @@ TEST(a_look_up_leaves_no_trace)
     look_fixture f = look_open();
     look_tune(&f, 100000);
     test_give_back(f.s);
-    text after = {0};
-    text before = test_read_file(f.folder.store);
+    own(text) after = {0};
+    own(text) before = test_read_file(f.folder.store);
     usleep(100000); // until the file counts as settled
     int entries = count_entries(f.folder.path);
     profile_workload workload = test_workload(100000);
@@ -45,8 +42,6 @@ TEST(a_look_up_leaves_no_trace)
     must(text_read_file(&after, f.folder.store, ERR));
     assert_int_equal(after.length, before.length);
     assert_memory_equal(after.chars, before.chars, before.length);
-    text_free(&before);
-    text_free(&after);
     f.s = NULL;
 }
 
@@ -67,12 +62,11 @@ TEST(missing_files_give_the_default_without_failure)
     profile_workload workload = test_workload(1000);
     profile_request request = test_request(&pair, &workload);
     profile_found found;
-    text why = {0};
+    own(text) why = {0};
     must(profile_lookup_files("no/such.db", "nor/this.db", &request, &found, &why, ERR));
     assert_int_equal(found.grade, PROFILE_DEFAULT);
     assert_non_null(strstr(text_chars(&why), "no/such.db"));
     assert_non_null(strstr(text_chars(&why), "nor/this.db"));
-    text_free(&why);
 }
 
 TEST(the_users_row_comes_before_the_systems)
@@ -115,11 +109,10 @@ TEST(a_broken_user_file_leaves_the_systems)
 static void assert_why(store *s, const profile_request *request, const char *says)
 {
     profile_found found;
-    text why = {0};
+    own(text) why = {0};
     must(profile_lookup(s, request, &found, &why, ERR));
     if (!strstr(text_chars(&why), says))
         fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
-    text_free(&why);
 }
 
 TEST(why_says_what_is_missing)
@@ -180,14 +173,13 @@ static int keep_statement(unsigned kind, void *context, void *stmt, void *unused
 // How SQLite goes about a statement, a line for each table.
 static void explain(store *s, const char *statement, text *plan)
 {
-    text query = {0};
+    own(text) query = {0};
     duet_error err = {0};
     text_add(&query, "EXPLAIN QUERY PLAN %s", statement);
     sql q = sql_make(s, text_chars(&query), &err);
     while (sql_row(&q))
         text_add(plan, "%s\n", sql_get_text(&q, 3));
     assert_ok(sql_close(&q), err);
-    text_free(&query);
 }
 
 // No rung may read a table from end to end, however many profiles there are.
@@ -204,7 +196,7 @@ TEST(every_look_up_goes_by_an_index)
     sqlite3_trace_v2(f.s->db, 0, NULL, NULL);
     assert_int_equal(found.grade, PROFILE_DEFAULT); // so that all grades were tried
     assert_in_range(kept.n, 6, 32);
-    text plan = {0};
+    own(text) plan = {0};
     for (int i = 0; i < kept.n; ++i) {
         explain(f.s, kept.texts[i], &plan);
         free(kept.texts[i]);
@@ -212,7 +204,6 @@ TEST(every_look_up_goes_by_an_index)
     assert_non_null(strstr(text_chars(&plan), "USING INDEX profile_live"));
     if (strstr(text_chars(&plan), "SCAN"))
         fail_msg("%s", text_chars(&plan));
-    text_free(&plan);
 }
 
 TEST(one_of_ten_thousand_is_found)

@@ -3,13 +3,7 @@
 // a model of two devices, which the look-up never sees.
 #include "support/test.h"
 
-#include "base/rng.h"
-#include "profiles/session.h"
 #include "support/look.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #define LEAST_N 2e3
 #define MOST_N 2e6

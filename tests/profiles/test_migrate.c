@@ -5,9 +5,6 @@
 #include "profiles/sql.h"
 #include "support/store.h"
 
-#include <stdio.h>
-#include <string.h>
-
 TEST(a_store_of_another_version_is_refused_and_left_as_it_is)
 {
     static const int versions[] = {1, STORE_FIRST_VERSION - 1, STORE_VERSION + 1, 99};

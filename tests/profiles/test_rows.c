@@ -2,12 +2,8 @@
 // A store keeps devices, workloads, trials, profiles.
 #include "support/test.h"
 
-#include "profiles/profile.h"
 #include "profiles/sql.h"
 #include "support/store.h"
-
-#include <stdio.h>
-#include <string.h>
 
 // ------------------------------------------------------------------------- rows
 

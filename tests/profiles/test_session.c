@@ -6,7 +6,6 @@
 #include "profiles/sql.h"
 #include "support/store.h"
 
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -53,10 +52,9 @@ TEST(another_search_is_not_resumed)
     others[3].options = "{\"launches\":17}";
     others[4].objective = "energy";
     for (int i = 0; i < 5; ++i) {
-        profile_resumed resumed;
+        own(profile_resumed) resumed;
         must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE);
-        profile_resumed_free(&resumed);
     }
 }
 
@@ -137,11 +135,10 @@ TEST(a_dead_owners_session_is_resumed)
         char id[PROFILE_ID];
         must(profile_session_begin(s, &session, id, ERR));
         must(sql_script(s, owners[i], ERR));
-        profile_resumed resumed;
+        own(profile_resumed) resumed;
         must(profile_session_resume(s, &session, &resumed, ERR));
         assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
         assert_string_equal(resumed.id, id);
-        profile_resumed_free(&resumed);
     }
 }
 
@@ -152,10 +149,9 @@ TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
     must(sql_script(s, "UPDATE session SET host = 'elsewhere', pid = 999999999", ERR));
-    profile_resumed resumed;
+    own(profile_resumed) resumed;
     must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY);
-    profile_resumed_free(&resumed);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -2,15 +2,11 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "profiles/exchange.h"
 #include "profiles/sql.h"
 #include "support/store.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 static void write_bytes(const char *path, const char *bytes, size_t n)
@@ -20,10 +16,9 @@ static void write_bytes(const char *path, const char *bytes, size_t n)
 
 static void assert_file_is(const char *path, const char *bytes, size_t n)
 {
-    text t = test_read_file(path);
+    own(text) t = test_read_file(path);
     assert_int_equal(t.length, n);
     assert_memory_equal(t.chars, bytes, n);
-    text_free(&t);
 }
 
 // ------------------------------------------------------------- making and opening
@@ -224,12 +219,11 @@ TEST(another_programs_database_is_left_as_it_is)
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         test_folder folder = test_folder_make();
         test_store_run(folder.store, others[i]);
-        text before = test_read_file(folder.store);
+        own(text) before = test_read_file(folder.store);
         test_store_refuses(folder.store, STORE_WRITE, DUET_STATUS_STORE_FAILED,
                            "another program's");
         test_store_refuses(folder.store, STORE_READ, DUET_STATUS_STORE_FAILED, "another program's");
         assert_file_is(folder.store, before.chars, before.length);
-        text_free(&before);
     }
 }
 
@@ -247,13 +241,12 @@ TEST(a_truncated_store_is_reported_and_kept)
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune_usual(s);
     store_close(s);
-    text whole = test_read_file(folder.store);
+    own(text) whole = test_read_file(folder.store);
     for (size_t n = whole.length - 4096; n > 100; n /= 3) {
         write_bytes(folder.store, whole.chars, n);
         test_store_refuses(folder.store, STORE_WRITE, DUET_STATUS_STORE_FAILED, "damaged");
         assert_file_is(folder.store, whole.chars, n);
     }
-    text_free(&whole);
 }
 
 // Wherever bytes are spoilt, every call ends, with rows or with one line.
@@ -265,7 +258,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune(s, &pair, &workload);
     store_close(s);
-    text whole = test_read_file(folder.store);
+    own(text) whole = test_read_file(folder.store);
     rng r = rng_seed(test_seed());
     profile_request request = test_request(&pair, &workload);
     int refused = 0;
@@ -278,7 +271,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
             bytes[i] = (char)rng_below(&r, 256);
         write_bytes(folder.store, bytes, whole.length);
         profile_found found;
-        text why = {0};
+        own(text) why = {0};
         duet_error failure = {0};
         bool ok = profile_lookup_files(folder.store, NULL, &request, &found, &why, &failure);
         assert_int_equal(failure.status, ok ? DUET_STATUS_OK : DUET_STATUS_STORE_FAILED);
@@ -288,10 +281,8 @@ TEST(a_damaged_store_never_crashes_a_look_up)
         }
         refused += !ok;
         assert_file_is(folder.store, bytes, whole.length);
-        text_free(&why);
     }
     assert_true(refused > 0);
-    text_free(&whole);
 }
 
 // Whatever such a file says to be is run when a table of that name is read.

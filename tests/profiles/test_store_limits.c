@@ -12,9 +12,6 @@
 #include <fcntl.h>
 #include <sched.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -195,10 +192,9 @@ static void read_by_all_means(const test_folder *folder)
     expect(s, "it opens", &err);
     int64_t n = 0;
     expect(sql_number(s, "SELECT count(*) FROM profile", &n, &err) && n == 1, "it is read", &err);
-    text report = {0};
+    own(text) report = {0};
     uint32_t problems = 0;
     expect(profile_check(s, &report, &problems, &err) && problems == 0, "it is checked", &err);
-    text_free(&report);
     expect(store_check_read(s, &err), "what was read counts", &err);
     store_close(s);
     duet_profile_list *list = duet_profile_list_create(folder->store, true, &err);

@@ -3,16 +3,11 @@
 #define _GNU_SOURCE
 #include "support/test.h"
 
-#include "base/rng.h"
-#include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"
 
-#include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -51,12 +46,11 @@ static void assert_all_ended_well(const pid_t *children, int n)
 
 static void assert_sound(store *s)
 {
-    text report = {0};
+    own(text) report = {0};
     uint32_t problems = 0;
     must(profile_check(s, &report, &problems, ERR));
     if (problems)
         fail_msg("%s", text_chars(&report));
-    text_free(&report);
     assert_int_equal(
         test_count(s, "trial t WHERE (SELECT count(*) FROM sample WHERE trial_id = t.id) <> 5"), 0);
 }
@@ -181,13 +175,12 @@ static void claim(const char *path, int who)
     store *s = store_open(path, STORE_WRITE, &err);
     require(s, "it opens", &err);
     profile_session session = test_session(1, 1);
-    profile_resumed resumed;
+    own(profile_resumed) resumed;
     require(profile_session_resume(s, &session, &resumed, &err), "a claim ends well", &err);
     char said = (char)('0' + (int)resumed.claim);
     require(write(claim_pipe[1], &said, 1) == 1, "it is told", &err);
     close(end_pipe[1]);
     require(read(end_pipe[0], &said, 1) == 0, "all have asked", &err);
-    profile_resumed_free(&resumed);
     store_close(s);
 }
 
@@ -261,7 +254,7 @@ static void await_death(int round, rng *r)
 static void assert_resumes(store *s, int32_t told)
 {
     profile_session session = test_session(1, 1);
-    profile_resumed resumed;
+    own(profile_resumed) resumed;
     must(profile_session_resume(s, &session, &resumed, ERR));
     if (resumed.claim == PROFILE_CLAIM_NONE) {
         assert_int_equal(told, 0); // killed before it had begun
@@ -274,7 +267,6 @@ static void assert_resumes(store *s, int32_t told)
         snprintf(search_state, sizeof search_state, "{\"trials\":%" PRIu32 "}", resumed.trials);
     assert_string_equal(text_chars(&resumed.search_state), search_state);
     must(profile_session_end(s, resumed.id, "failed", ERR));
-    profile_resumed_free(&resumed);
 }
 
 TEST(a_killed_writer_loses_at_most_one_trial)
@@ -317,10 +309,9 @@ TEST(a_look_up_works_after_a_kill)
     profile_workload workload = test_workload(1000);
     profile_request request = test_request(&pair, &workload);
     profile_found found;
-    text why = {0};
+    own(text) why = {0};
     must(profile_lookup_files(folder.store, NULL, &request, &found, &why, ERR));
     assert_non_null(strstr(text_chars(&why), "this workload was never measured on these two"));
-    text_free(&why);
 }
 
 TEST_MAIN(NULL, NULL)

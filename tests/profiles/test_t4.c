@@ -8,8 +8,6 @@
 #include "support/json.h"
 #include "support/store.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 
 static const char *const failures[][2] = {

@@ -7,12 +7,7 @@
 #include "support/hard_pairs.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/narrow.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
 
 static duet_box_query *open_query(duet_tree *tree, duet_level level)
 {

@@ -6,15 +6,10 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Boxes reach over many cells, and all coordinates near 0 are multiples of 2^-8: offsets hold them.
 #define EDGE 0.5f
@@ -149,7 +144,7 @@ typedef void ask(const scene *s, duet_tree *tree, int what, answer *found);
 
 static void keep(answer *a, const void *hits, uint64_t n, size_t bytes)
 {
-    *a = (answer){malloc((size_t)n * bytes + 1), n, (size_t)n * bytes};
+    *a = (answer){test_alloc((size_t)n * bytes + 1), n, (size_t)n * bytes};
     if (n > 0)
         memcpy(a->hits, hits, a->bytes);
 }
@@ -215,8 +210,6 @@ static answer ask_everywhere(scene *s, ask *kind, int what, uint32_t dims)
     kind(s, tree, what, &other);
     same_answers(&near, &far);
     same_answers(&near, &other);
-    free(far.hits);
-    free(other.hits);
     return near;
 }
 
@@ -242,7 +235,6 @@ static void all_hits_of_rays_are_those_of_integers_in(uint32_t dims)
     }
     assert_int_equal(at, found.n);
     assert_true(found.n > ASKED);
-    free(found.hits);
 }
 
 TEST(all_hits_of_rays_are_those_of_integers_wherever_they_are)
@@ -269,8 +261,6 @@ TEST(a_closest_hit_is_the_first_of_all)
         while (at < every.n && hits[at].ray == i)
             ++at;
     }
-    free(every.hits);
-    free(closest.hits);
 }
 
 // The surface of a box that stands upright that a ray enters is known.
@@ -298,7 +288,6 @@ TEST(t_is_where_the_ray_enters_as_exactly_as_near_0)
         assert_true(enter > 0 || hit->t == 0);
     }
     assert_true(n_seen > 100);
-    free(found.hits);
 }
 
 // A ray across the whole of what cells can say, along the face of a box at its other end.
@@ -323,7 +312,6 @@ TEST(a_face_is_met_or_missed_by_a_quantum_a_billion_cells_away)
     for (uint32_t i = 0; i < ASKED; ++i)
         assert_int_equal(hits[i].id, i % 4 == 0 || i % 4 == 2 ? 0 : DUET_NO_OBJECT);
     assert_float_equal(hits[0].t, 2.0 * far * EDGE, 256);
-    free(found.hits);
 }
 
 // ---------------------------------------------------------------- points and boxes
@@ -345,7 +333,6 @@ TEST(points_lie_in_the_boxes_that_integers_say)
     }
     assert_int_equal(at, found.n);
     assert_true(found.n > ASKED / 4);
-    free(found.hits);
 }
 
 static double distance_to(const duet_pose *box, const float point[3])
@@ -386,7 +373,6 @@ TEST(the_nearest_are_those_of_a_sweep)
         for (int k = 0; k < NEAREST; ++k)
             assert_float_equal(hits[NEAREST * i + k].distance, distances[k], 1e-4);
     }
-    free(found.hits);
 }
 
 TEST(boxes_meet_where_integers_say_so)
@@ -410,8 +396,6 @@ TEST(boxes_meet_where_integers_say_so)
     assert_int_equal(at, found.n);
     assert_int_equal(n_pairs, itself.n);
     assert_true(at > ASKED / 4 && n_pairs > BOXES / 4);
-    free(itself.hits);
-    free(found.hits);
 }
 
 // And t and the normal are those of the same sweep near 0.
@@ -437,7 +421,6 @@ TEST(sweeps_meet_what_integers_say)
     }
     assert_int_equal(at, found.n);
     assert_true(found.n > ASKED);
-    free(found.hits);
 }
 
 TEST(cheaper_levels_answer_alike_everywhere)
@@ -446,8 +429,6 @@ TEST(cheaper_levels_answer_alike_everywhere)
     answer aabb = ask_everywhere(s, ask_boxes, DUET_LEVEL_AABB, 3);
     answer axes = ask_everywhere(s, ask_boxes, DUET_LEVEL_SAT15, 3);
     assert_true(aabb.n > axes.n && axes.n > ASKED);
-    free(aabb.hits);
-    free(axes.hits);
 }
 
 // ---------------------------------------------------------------- many, and bodies
@@ -474,7 +455,6 @@ TEST(many_are_answered_as_few)
         assert_int_equal(found.hits[i].id, hits[i % ASKED].id);
         assert_true(found.hits[i].t == hits[i % ASKED].t);
     }
-    free(few.hits);
 }
 
 TEST(a_gpu_gives_the_same_answers)
@@ -498,8 +478,6 @@ TEST(a_gpu_gives_the_same_answers)
         devices_seem_gpus(false);
         assert_true(found[0].n > 0);
         same_answers(&found[0], &found[1]);
-        free(found[0].hits);
-        free(found[1].hits);
     }
 }
 
@@ -533,8 +511,6 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
         assert_float_equal(body.centre[2] - def.origin[2], s->boxes[id].centre[2] - 0.55, 0.1);
     }
     same_answers(&seen[0], &seen[1]);
-    free(seen[0].hits);
-    free(seen[1].hits);
 }
 
 TEST(a_motion_with_other_cells_is_refused)

@@ -7,12 +7,6 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { NX = 13, NY = 9, RAYS = 4000, POINTS = 600 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
@@ -25,8 +19,7 @@ typedef struct field {
 // Rough in the middle, and places that no float holds.
 static field *draw_field(rng *r)
 {
-    field *f = malloc(sizeof *f);
-    assert_non_null(f);
+    field *f = test_alloc(sizeof *f);
     f->heights = (duet_heights){.nx = NX,
                                 .ny = NY,
                                 .origin = {-4.1, -3.3, 0.7},
@@ -170,7 +163,7 @@ TEST(rays_meet_the_ground_where_all_its_triangles_say)
 {
     rng r = rng_seed(test_seed());
     field *f = draw_field(&r);
-    duet_ray *rays = malloc(RAYS * sizeof *rays);
+    duet_ray *rays = test_alloc(RAYS * sizeof *rays);
     for (uint32_t i = 0; i < RAYS; ++i)
         rays[i] = draw_ray(&r);
     duet_tree *tree = open_ground(f, 0);
@@ -182,8 +175,6 @@ TEST(rays_meet_the_ground_where_all_its_triangles_say)
         met += found.hits[i].id != DUET_NO_OBJECT;
     }
     assert_true(met > RAYS / 8 && met < RAYS * 7 / 8);
-    free(rays);
-    free(f);
 }
 
 // The gradient of the height, by differences.
@@ -208,7 +199,6 @@ TEST(a_normal_is_that_of_the_slope)
         assert_true(fabsl((real)n[0] / (real)n[2] + dx / (2 * step)) < 1e-4L);
         assert_true(fabsl((real)n[1] / (real)n[2] + dy / (2 * step)) < 1e-4L);
     }
-    free(f);
 }
 
 // ---------------------------------------------------------------- to the last bit
@@ -279,7 +269,6 @@ TEST(points_beside_the_surface_are_told_apart)
         }
     assert_int_equal(found.n_hits, in);
     assert_true(in > 30 && in < 270);
-    free(f);
 }
 
 // ---------------------------------------------------------------- distances
@@ -378,7 +367,6 @@ TEST(the_ground_is_as_far_as_all_its_triangles_say)
         if (!(fabsl(seen - right) <= 2e-7L * (1 + right)))
             fail_msg("point %u is %.9Lg from the ground, not %.9Lg", i, seen, right);
     }
-    free(f);
 }
 
 // ---------------------------------------------------------------- boxes
@@ -503,7 +491,6 @@ TEST(boxes_meet_the_ground_if_their_lowest_place_over_it_is_below)
     field *f = draw_field(&r);
     join_some(f, &r, true);
     join_some(f, &r, false);
-    free(f);
 }
 
 // Over the roof of 1 along x at y = 1: a box that stands on it, on its edge, beside a wall, and one
@@ -596,7 +583,6 @@ TEST(sweeps_meet_the_ground_there_and_not_before)
         test_give_back(query);
         test_give_back(tree);
     }
-    free(f);
 }
 
 // ---------------------------------------------------------------- with radii
@@ -658,7 +644,6 @@ TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
     }
     assert_int_equal(met, found.n_hits);
     assert_true(met > BOXES / 8 && met < BOXES * 7 / 8);
-    free(f);
 }
 
 // A ball's centre is its radius from the ground where it touches, and further away before.
@@ -705,7 +690,6 @@ TEST(balls_meet_the_ground_a_radius_away)
         assert_true(fabsl(square - 1) < 1e-6L && distance(f, at) < 2e-5L);
     }
     assert_true(met > SWEEPS / 8);
-    free(f);
 }
 
 // ---------------------------------------------------------------- among objects
@@ -783,7 +767,6 @@ TEST(the_ground_is_one_more_object)
             test_give_back(trees[i]);
         }
     }
-    free(f);
 }
 
 TEST(a_filter_of_nothing_finds_no_ground_and_bad_grounds_are_refused)
@@ -811,7 +794,6 @@ TEST(a_filter_of_nothing_finds_no_ground_and_bad_grounds_are_refused)
     f->heights.origin[1] = 1e30;
     must_fail(duet_tree_set_heights(tree, &f->heights, ERR), DUET_STATUS_BAD_ARGUMENT,
               "the ground's origin is 1e+30 along y");
-    free(f);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -8,10 +8,6 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { TRIANGLES = 300, GROUND = 6 }; // no objects, and walls have 0 to 5
 
 typedef struct soup {
@@ -22,8 +18,7 @@ typedef struct soup {
 
 static soup *soup_new(uint32_t n)
 {
-    soup *s = calloc(1, sizeof *s);
-    assert_non_null(s);
+    soup *s = test_alloc(sizeof *s);
     s->mesh = (duet_mesh){
         .n_vertices = 3 * n, .n_triangles = n, .vertices = s->vertices, .triangles = s->triangles};
     for (uint32_t i = 0; i < 3 * n; ++i)
@@ -133,7 +128,7 @@ TEST(rays_meet_a_mesh_where_all_its_triangles_say)
 {
     rng r = rng_seed(test_seed());
     soup *s = draw_soup(&r);
-    duet_ray *rays = malloc(RAYS * sizeof *rays);
+    duet_ray *rays = test_alloc(RAYS * sizeof *rays);
     for (uint32_t i = 0; i < RAYS; ++i)
         rays[i] = draw_ray(&r);
     duet_tree *tree = take_soup(open_tree(3, 0, NULL, 0), s);
@@ -145,8 +140,6 @@ TEST(rays_meet_a_mesh_where_all_its_triangles_say)
         met += found.hits[i].id != DUET_NO_OBJECT;
     }
     assert_true(met > RAYS / 8 && met < RAYS * 7 / 8);
-    free(rays);
-    free(s);
 }
 
 // Through a triangle from both sides, along the normal by a closed form.
@@ -167,7 +160,6 @@ TEST(a_normal_looks_at_the_ray_from_either_side)
         assert_close(n[1], 0, 1e-6);
         assert_close(n[2], 0.8 * sign, 1e-6);
     }
-    free(s);
 }
 
 // ---------------------------------------------------------------- points
@@ -197,7 +189,6 @@ TEST(a_mesh_is_as_far_as_all_its_triangles_say)
         if (!(fabs(seen - right) <= 2e-7 * (1 + right)))
             fail_msg("point %u is %.9g from the mesh, not %.9g", i, seen, right);
     }
-    free(s);
 }
 
 // ---------------------------------------------------------------- whole numbers
@@ -400,7 +391,6 @@ TEST(rays_and_points_of_whole_numbers_meet_exactly)
             at += is_in;
             points_met += is_in;
         }
-        free(s);
     }
     assert_true(met > 300 && points_met > 20);
 }
@@ -447,7 +437,6 @@ TEST(boxes_of_whole_numbers_meet_exactly)
             }
             met += expected;
         }
-        free(s);
     }
     assert_true(met > 100);
 }
@@ -515,7 +504,6 @@ TEST(boxes_meet_a_mesh_if_something_of_a_triangle_is_in_them)
         met += is_hit;
     }
     assert_true(met > BOXES / 8 && met < BOXES * 7 / 8);
-    free(s);
 }
 
 // Nowhere before, at twenty places; there; and no more of what it met when it is pushed along the
@@ -566,7 +554,6 @@ TEST(sweeps_meet_a_mesh_there_and_not_before)
         met += found.hits[i].id != DUET_NO_OBJECT && found.hits[i].t > 0;
     }
     assert_true(met > SWEEPS / 10 && met < SWEEPS);
-    free(s);
 }
 
 // ---------------------------------------------------------------- with radii
@@ -640,7 +627,6 @@ TEST(capsules_meet_a_mesh_a_radius_away)
         met += hit->t > 0;
     }
     assert_true(met > SWEEPS / 8);
-    free(s);
 }
 
 // Boxes with a radius and their cores at a closed form: over a floor, over its edge and its corner.
@@ -665,7 +651,6 @@ TEST(rounded_boxes_meet_a_floor_at_closed_forms)
         for (int k = 0; k < 3; ++k)
             assert_close(found.hits[i].normal[k], normal[i][k], 1e-5);
     }
-    free(s);
 }
 
 // ---------------------------------------------------------------- a tree's ground
@@ -690,7 +675,6 @@ TEST(a_mesh_takes_the_place_of_heights_and_is_given_back)
         must(duet_tree_set_mesh(tree, NULL, ERR));
         assert_int_equal(cast_rays(query, &down, 1).hits[0].id, DUET_NO_OBJECT);
     }
-    free(s);
 }
 
 TEST(meshes_that_no_tree_can_have_are_refused)
@@ -706,7 +690,6 @@ TEST(meshes_that_no_tree_can_have_are_refused)
     s->triangles[5] = 3 * TRIANGLES;
     must_fail(duet_tree_set_mesh(tree, &s->mesh, ERR), DUET_STATUS_BAD_ARGUMENT,
               "triangle 1 of the mesh has the vertex 900");
-    free(s);
 }
 
 TEST_MAIN(open_devices, close_devices)

@@ -7,11 +7,7 @@
 #include "support/hard_pairs.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/queries/ray.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 enum { BOXES = 400, POINTS = 900, NEAREST = 7 };
 

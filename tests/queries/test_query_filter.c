@@ -5,12 +5,7 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "gen/gen.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 300, ITEMS = 400, NEAREST = 4 };
 
@@ -283,13 +278,12 @@ TEST(bodies_of_a_motion_bring_their_filters)
 
 static bool has_word(const char *kernel, int64_t filtered, const char *word)
 {
-    gen_variant made = {0};
+    own(gen_variant) made = {0};
     gen *g = kept(gen_open(NULL, ERR));
     const gen_limits limits = {.max_group = 1024, .local_bytes = 48 << 10, .fp64 = true};
     const gen_setting settings[] = {{"FILTERED", filtered}};
     must(gen_make(g, kernel, settings, 1, &limits, &made, ERR));
     bool found = strstr(made.text, word);
-    gen_variant_free(&made);
     return found;
 }
 

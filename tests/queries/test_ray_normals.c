@@ -6,12 +6,6 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { BOXES = 120, RAYS = 1500 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};

@@ -6,14 +6,8 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 // With a tree of its own.
 static duet_ray_query *open_alone(duet_query_wants wants, uint32_t dims, uint32_t share,

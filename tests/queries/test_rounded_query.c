@@ -6,14 +6,8 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
-#include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/ray.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 250, RAYS = 500, NEAREST = 5 };
 

@@ -6,14 +6,8 @@
 #include "support/devices.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/queries/rounded_sweep.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 160, SWEEPS = 240 };
 

@@ -8,14 +8,9 @@
 #include "support/hard_pairs.h"
 #include "support/trees.h"
 
-#include "base/rng.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <string.h>
 
 // ---------------------------------------------------------------- worlds
 

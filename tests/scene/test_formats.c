@@ -4,10 +4,6 @@
 
 #include "base/text.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Reads the document's blocks ```kind ... ``` as files; returns how many.
 static int read_examples(const char *document, const char *kind)
 {
@@ -32,10 +28,9 @@ TEST(the_documents_examples_are_read)
 {
     char path[512];
     snprintf(path, sizeof path, "%s/../../docs/formats.md", getenv("DUET_TEST_SCENES"));
-    text document = test_read_file(path);
+    own(text) document = test_read_file(path);
     assert_int_equal(read_examples(document.chars, "csv"), 1);
     assert_int_equal(read_examples(document.chars, "lua"), 6);
-    text_free(&document);
 }
 
 TEST_MAIN(NULL, NULL)

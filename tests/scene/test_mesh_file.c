@@ -4,12 +4,7 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
-#include "runtime/duet.h"
 #include "runtime/scene/mesh_file.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 static void put(const char *path, const char *bytes, size_t n)
 {

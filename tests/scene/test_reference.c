@@ -3,11 +3,7 @@
 
 #include "support/devices.h"
 
-#include "base/rng.h"
 #include "runtime/scene/reference.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 enum { N = 600 };
 

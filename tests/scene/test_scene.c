@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "base/rng.h"
-
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 #define UNIT_CUBE                                                      \
     {                                                                  \

@@ -2,16 +2,9 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text.h"
 #include "gen/script.h"
 #include "runtime/scene/scene_load.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define FILE_NAME "test_scene_lua.lua"
 #define TEXT_NAME "test_scene_lua.txt"
@@ -425,9 +418,8 @@ TEST(shipped_scenes_open_with_what_they_are_for)
     for (size_t i = 0; i < N_SHIPPED; ++i) {
         char path[512];
         snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), shipped[i]);
-        text t = test_read_file(path);
+        own(text) t = test_read_file(path);
         assert_int_equal(strncmp(t.chars, "-- SPDX-License-Identifier: MIT\n-- ", 35), 0);
-        text_free(&t);
     }
 }
 
@@ -534,12 +526,11 @@ static void assert_ranges_hold_the_whole(const char *path, const char *chars)
 
 TEST(a_range_of_a_scene_is_that_part_of_the_whole)
 {
-    text rows = {0};
+    own(text) rows = {0};
     for (int i = 0; i < IN_ALL; ++i)
         text_add(&rows, "%d 0 %d 1 1 1 0 0 %d 1\n", i, 2 * i, i % 3);
     assert_ranges_hold_the_whole(FILE_NAME, IN_PARTS);
     assert_ranges_hold_the_whole(TEXT_NAME, text_chars(&rows));
-    text_free(&rows);
 }
 
 // The draws of a box depend on its number and its each, and on nothing else.

@@ -3,12 +3,7 @@
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/rng.h"
-
 #include <locale.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #define FILE_NAME "test_scene_text.csv"
 

@@ -7,16 +7,10 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/selection/profile_subject.h"
 
-#include <cjson/cJSON.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 typedef struct fixture {

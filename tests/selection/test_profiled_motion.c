@@ -7,8 +7,6 @@
 #include "runtime/dynamics/motion.h"
 #include "runtime/selection/profile_subject.h"
 
-#include <stdio.h>
-
 enum { CUBES = 60, STEPS = 12 };
 
 // No device has these by itself, and each device may have them.

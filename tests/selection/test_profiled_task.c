@@ -5,12 +5,6 @@
 
 #include "runtime/selection/profile_subject.h"
 
-#include "base/text.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const char task_text[] =
     "local p = parameters { n = 4000 }\n"
     "return { kernel = 'twice', items = p.n, key = { n = p.n }, args = { x "

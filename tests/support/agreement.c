@@ -9,10 +9,6 @@
 #include "runtime/scene/reference.h"
 #include "support/narrow_float.h"
 
-#include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { EACH_WITH_EACH_LIMIT = 2000 };
 
 // The plans that may be: hashed grids have no rows to cut slabs from.

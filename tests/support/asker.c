@@ -7,9 +7,6 @@
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 struct asker {
     duet_tree *tree;
     duet_ray_query *rays, *closest;

@@ -3,7 +3,6 @@
 
 #include "support/test.h"
 
-#include "runtime/opencl/device.h"
 #include "runtime/opencl/device_pair.h"
 
 duet_device_pair *devices;

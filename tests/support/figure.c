@@ -4,13 +4,8 @@
 #include "support/test.h"
 
 #include "base/text_file.h"
-#include "runtime/duet.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Three digits after a blank belong to the digits before it.
 static bool continues(const char *at)
@@ -93,7 +88,7 @@ void figures(const char *document, const char *pattern, int n, double *out)
     char path[512];
     snprintf(path, sizeof path, "%s/../../docs/%s", getenv("DUET_TEST_SCENES"), document);
     assert_true(n <= MOST);
-    text t = {0};
+    own(text) t = {0};
     must(text_read_file(&t, path, ERR));
     join_lines(&t);
     int places = 0;
@@ -105,7 +100,6 @@ void figures(const char *document, const char *pattern, int n, double *out)
         memcpy(out, found, (size_t)n * sizeof *out);
         ++places;
     }
-    text_free(&t);
     if (places != 1)
         fail_msg("docs/%s says '%s' in %d places, not in one", document, pattern, places);
 }

@@ -4,9 +4,6 @@
 
 #include "base/text_file.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 static void compare_lines(const char *path, const char *got, const char *wanted)
 {
     for (int line = 1;; ++line) {
@@ -26,12 +23,10 @@ static void compare_lines(const char *path, const char *got, const char *wanted)
 
 void golden_check(const char *name, const char *chars)
 {
-    text path = {0}, wanted = {0};
+    own(text) path = {0}, wanted = {0};
     text_add(&path, "%s/../golden/%s", getenv("DUET_TEST_DATA"), name);
     if (getenv("DUET_UPDATE_GOLDEN"))
         must(text_write_file(path.chars, chars, strlen(chars), ERR));
     must(text_read_file(&wanted, path.chars, ERR));
     compare_lines(path.chars, chars, wanted.chars);
-    text_free(&path);
-    text_free(&wanted);
 }

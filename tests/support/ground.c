@@ -2,8 +2,6 @@
 #include "support/ground.h"
 #include "support/test.h"
 
-#include <math.h>
-
 const double ground_slop = 0.005;
 
 mover *ground_mover(void)

@@ -5,9 +5,6 @@
 
 #include "runtime/narrowphase/narrow.h"
 
-#include <math.h>
-#include <string.h>
-
 // ------------------------------------------------------------ parts of a pose
 
 static void set_random_turn(duet_pose *pose, rng *r, uint32_t dims)

@@ -8,9 +8,6 @@
 #include "runtime/narrowphase/level.h"
 #include "runtime/narrowphase/narrow.h"
 
-#include <inttypes.h>
-#include <stdlib.h>
-
 typedef struct crowd {
     duet_device_pair *devices;
     uint32_t dims;

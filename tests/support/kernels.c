@@ -5,8 +5,6 @@
 #include "base/text.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 
 // Gives the path of a file within the folder; its own folder is made.
@@ -26,7 +24,7 @@ void test_kernels_write(const char *folder, const char *changed, const char *bef
     for (const blob *b = blobs; b->path; ++b) {
         if (strncmp(b->path, "kernels/", 8) != 0)
             continue;
-        text path = {0};
+        own(text) path = {0};
         bool other = strcmp(b->path + 8, changed) == 0;
         file_path(&path, folder, b->path + 8);
         FILE *file = fopen(path.chars, "w");
@@ -35,6 +33,5 @@ void test_kernels_write(const char *folder, const char *changed, const char *bef
         fwrite(b->bytes, 1, b->length, file);
         fputs(other ? after : "", file);
         fclose(file);
-        text_free(&path);
     }
 }

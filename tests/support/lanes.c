@@ -2,8 +2,6 @@
 #include "support/lanes.h"
 #include "support/test.h"
 
-#include <math.h>
-
 mover *lanes_new(uint32_t dims)
 {
     mover *m = mover_new(dims);

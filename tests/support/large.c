@@ -6,8 +6,6 @@
 
 #include "runtime/narrowphase/origin.h"
 
-#include <math.h>
-
 duet_large_pose large_poses[LARGE_MOST];
 
 duet_world_def large_def(uint32_t dims, bool rotated)

@@ -25,9 +25,8 @@ void look_change(look_fixture *f, const char *statements)
 profile_found look_up(store *s, const profile_request *request)
 {
     profile_found found;
-    text why = {0};
+    own(text) why = {0};
     must(profile_lookup(s, request, &found, &why, ERR));
-    text_free(&why);
     return found;
 }
 

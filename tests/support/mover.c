@@ -4,9 +4,6 @@
 
 #include "runtime/opencl/device.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 static duet_device_pair *pair;
 
 int mover_open_pair(void **state)

@@ -6,9 +6,6 @@
 
 #include "base/text_file.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,13 +25,12 @@ static program run(const char *variables, const char *format, va_list args)
     char arguments[2048];
     char out[64];
     char err[64];
-    text command = {0};
+    own(text) command = {0};
     vsnprintf(arguments, sizeof arguments, format, args);
     snprintf(out, sizeof out, "program.%ld.out", (long)getpid());
     snprintf(err, sizeof err, "program.%ld.err", (long)getpid());
     text_add(&command, "{ %s '%s' %s ; } >%s 2>%s", variables, path, arguments, out, err);
     int status = system(text_chars(&command));
-    text_free(&command);
     return (program){
         .exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
         .out = take_file(out),
@@ -78,7 +74,7 @@ void program_assert_refused(program p, int exit_code, const char *says)
 
 pid_t program_start(const char *err, const char *arguments)
 {
-    text command = {0};
+    own(text) command = {0};
     text_add(&command, "exec '%s' %s >/dev/null 2>%s", getenv("DUET_PROGRAM"), arguments, err);
     pid_t child = fork();
     assert_true(child >= 0);
@@ -86,7 +82,6 @@ pid_t program_start(const char *err, const char *arguments)
         execl("/bin/sh", "sh", "-c", text_chars(&command), (char *)NULL);
         _exit(127);
     }
-    text_free(&command);
     return child;
 }
 

@@ -4,9 +4,6 @@
 
 #include "base/text_file.h"
 
-#include <stdio.h>
-#include <string.h>
-
 duet_scene *scene_from_bytes(const char *name, const void *bytes, size_t n,
                              const duet_setting *settings, uint32_t n_settings, duet_error *err)
 {

@@ -2,12 +2,9 @@
 #include "support/shape.h"
 #include "support/test.h"
 
-#include <stdlib.h>
-
 shape *shape_new(void)
 {
-    shape *s = calloc(1, sizeof *s);
-    assert_non_null(s);
+    shape *s = test_alloc(sizeof *s);
     s->mesh = (duet_mesh){.vertices = s->vertices, .triangles = s->triangles};
     return s;
 }

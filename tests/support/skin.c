@@ -3,10 +3,6 @@
 
 #include "support/test.h"
 
-#include "base/rng.h"
-
-#include <string.h>
-
 enum { BOXES = 48, CHECK_EVERY = 10 };
 
 // Faces that meet by less than a slop, 0.5 % of the mean least extent, do not touch,

@@ -3,8 +3,6 @@
 #include "support/figure.h"
 #include "support/test.h"
 
-#include <math.h>
-
 static mover *build(const stack *s)
 {
     mover *m = mover_new(s->dims);

@@ -4,10 +4,6 @@
 #include "profiles/sql.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 test_folder test_folder_make(void)
 {
     test_folder folder;

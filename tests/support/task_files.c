@@ -3,8 +3,6 @@
 
 #include "support/test.h"
 
-#include <stdio.h>
-
 void task_files_write(const char *folder, const char *name, const char *args, const char *body)
 {
     char path[160], text[2048];

@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: MIT
-// What every test includes: CMocka in the order it needs, seeds, small helps.
+// What every test includes: CMocka in the order it needs, the headers that most tests use, which
+// they do not name again, seeds, small helps.
 #ifndef TESTS_TEST_H
 #define TESTS_TEST_H
 
+#include <inttypes.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
+#include "base/error.h"
+#include "base/rng.h"
 #include "runtime/duet.h"
 
 // A test, named by the fact it shows: TEST(fact) { ... }. A program's tests run in the order in
@@ -80,6 +88,9 @@ void skip_without_terminal(void);
 void *test_keep(void *thing, void (*back)(void *thing));
 void test_give_back(void *thing);
 void *test_alloc(size_t bytes); // zeros, which the test keeps
+
+// A value that its block frees at the end, by TYPE_free: own(text) line = {0};
+#define own(type) __attribute__((cleanup(type##_free))) type
 
 // The kinds that public calls make and destroy, each with its test_KIND_back for test_keep.
 // clang-format off

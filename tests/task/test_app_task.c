@@ -6,8 +6,6 @@
 
 #include "runtime/opencl/device_pair.h"
 
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 
 enum { N = 1003 };

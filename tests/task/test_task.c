@@ -4,14 +4,8 @@
 #include "support/task_files.h"
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // ---------------------------------------------------------------- files
 
@@ -283,7 +277,7 @@ TEST(the_first_wrong_number_of_many_is_found)
     task t = {.name = "t", .tolerance = 0.25};
     for (int round = 0; round < 200; ++round) {
         task_arg arg = {.name = "y", .is_array = true, .lanes = 1, .per_item = 1};
-        task_values found;
+        own(task_values) found;
         must(task_values_make(&found, TASK_FLOAT, N, ERR));
         must(task_values_make(&arg.expected, TASK_FLOAT, N, ERR));
         float *is = found.bytes, *should = arg.expected.bytes;
@@ -304,7 +298,6 @@ TEST(the_first_wrong_number_of_many_is_found)
             must_fail(task_check(&t, &arg, &found, ERR), DUET_STATUS_WRONG_RESULT, says);
         else
             must(task_check(&t, &arg, &found, ERR));
-        task_values_free(&found);
         task_values_free(&arg.expected);
     }
 }

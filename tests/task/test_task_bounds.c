@@ -4,14 +4,9 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "runtime/task/task.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const double u = 0x1p-24;
 

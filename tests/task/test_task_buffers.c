@@ -8,8 +8,6 @@
 #include "runtime/duet_opencl.h"
 #include "runtime/opencl/device_pair.h"
 
-#include <string.h>
-
 enum { N = 1003, BINS = 16 };
 
 // The program's context with both halves of the CPU, or the CPU twice.

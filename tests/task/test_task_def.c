@@ -8,9 +8,6 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
 
-#include <stdio.h>
-#include <string.h>
-
 enum { N = 1003, COUNT = 16 };
 
 static const char card[] =

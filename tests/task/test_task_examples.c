@@ -6,11 +6,6 @@
 #include "runtime/opencl/device_pair.h"
 #include "runtime/task/task_launch.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static char folder[512];
 
 static int find_folder(void **state)
@@ -32,7 +27,7 @@ static void launch_configs(task_launcher *l)
 {
     duet_error err = {0};
     task_result r;
-    kernel_spaces spaces = {0};
+    own(kernel_spaces) spaces = {0};
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
     must(task_kernel_space(l, &plan, 1, &spaces, ERR));
     assert_int_equal(spaces.n, 1);
@@ -46,7 +41,6 @@ static void launch_configs(task_launcher *l)
         if (!task_launch(l, &plan, &r, &err))
             fail_msg("%s: %s", plan.variant_a, err.text);
     }
-    kernel_spaces_free(&spaces);
 }
 
 static void run_example(const char *name, const char *n)

@@ -6,8 +6,6 @@
 #include "tuner/device_lock.h"
 
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -2,10 +2,7 @@
 // When steps count as slower or faster than expected.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/online.h"
-
-#include <math.h>
 
 static int steps_until_alarm(rng *r, double factor, double noise, int most)
 {

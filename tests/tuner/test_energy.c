@@ -2,12 +2,7 @@
 // Tunings that make energy small, on two devices that are only arithmetic.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/tune.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 #define FILE_NAME "test_energy.txt"
 
@@ -83,7 +78,7 @@ static energy_meter *open_meter(void)
 // it where B takes 2, and the longer step costs 0.3 J more.
 TEST(energy_and_time_have_best_plans_of_their_own)
 {
-    trial_log log = {0}, timed = {0};
+    own(trial_log) log = {0}, timed = {0};
     energy_meter *m = open_meter();
     duet_tune_outcome quick = tune("balance", NULL, &timed);
     assert_true(fabs(quick.plan.share / 65536.0 - 0.2) < 0.01);
@@ -96,8 +91,6 @@ TEST(energy_and_time_have_best_plans_of_their_own)
     assert_int_equal(o.plan.share, DUET_SHARE_ONE);
     assert_true(fabs(o.terms.joules / step_joules(1) - 1) < 1e-6);
     assert_true(fabs(o.step_ms / A_MS - 1) < 1e-6); // its time stays a time
-    trial_log_free(&log);
-    trial_log_free(&timed);
     energy_meter_close(m);
 }
 
@@ -120,12 +113,11 @@ TEST(a_counter_that_moves_seldom_tells_energies_and_leads_to_a_verdict)
         // a step at both ends, of 400 ms, and the noise of ten steps or more
         assert_true(fabs(off) < step_ms(share) / 400 + 4 * sigma / sqrt(10));
     }
-    trial_log log = {0};
+    own(trial_log) log = {0};
     duet_tune_outcome o = tune("annealing", m, &log);
     assert_int_equal(o.plan.share, DUET_SHARE_ONE);
     assert_string_not_equal(o.verdict, "ambiguous");
     print_message("%u trials\n", o.trials);
-    trial_log_free(&log);
     energy_meter_close(m);
     sigma = told_ms = 0;
 }
@@ -133,8 +125,8 @@ TEST(a_counter_that_moves_seldom_tells_energies_and_leads_to_a_verdict)
 // Each trial's energy is in the log, and comes back from its JSON.
 TEST(each_trial_keeps_its_energy_beside_its_time)
 {
-    trial_log log = {0}, again;
-    text json = {0};
+    own(trial_log) log = {0}, again;
+    own(text) json = {0};
     energy_meter *m = open_meter();
     tune("grid", m, &log);
     trial_log_to_json(&log, &json);
@@ -146,9 +138,6 @@ TEST(each_trial_keeps_its_energy_beside_its_time)
         assert_true(fabs((double)again.entries[i].sample.total_ns / (1e6 * step_ms(share)) - 1) <
                     1e-6);
     }
-    text_free(&json);
-    trial_log_free(&again);
-    trial_log_free(&log);
     energy_meter_close(m);
 }
 

@@ -2,15 +2,9 @@
 // Strategies that choose kernels and share together, on two kernels that are only arithmetic.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/joint_space.h"
 #include "tuner/strategy.h"
 #include "tuner/tune.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { SIZES = 4, TILES = 3, CONFIGS = SIZES * TILES, POINTS = 16 };
 
@@ -181,9 +175,8 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
 static duet_tune_outcome tune_fake(fake *f, const char *name)
 {
     duet_tune_outcome o;
-    trial_log log = {0};
+    own(trial_log) log = {0};
     must(run_fake(f, name, NULL, &log, &o, ERR));
-    trial_log_free(&log);
     return o;
 }
 
@@ -207,7 +200,7 @@ TEST(every_plan_of_the_grid_has_one_number)
 {
     fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
-    joint_space s = open_space(&f);
+    own(joint_space) s = open_space(&f);
     uint64_t n = joint_space_count(&s);
     assert_int_equal(n, (POINTS - 1) * CONFIGS * CONFIGS + 2 * CONFIGS);
     bool seen[POINTS + 1][CONFIGS][CONFIGS] = {{{false}}};
@@ -221,7 +214,6 @@ TEST(every_plan_of_the_grid_has_one_number)
         assert_false(seen[point][p.configs[0]][p.configs[1]]);
         seen[point][p.configs[0]][p.configs[1]] = true;
     }
-    joint_space_free(&s);
 }
 
 // Eight kernels of 12 configs: more than a search goes through, and more than 64 bits count.
@@ -229,7 +221,7 @@ TEST(many_kernels_leave_a_number_of_plans)
 {
     fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
-    joint_space s = {.points = POINTS};
+    own(joint_space) s = {.points = POINTS};
     for (int device = 0; device < 2; ++device)
         for (int i = 0; i <= SEARCH_KERNELS; ++i) // one more than there is space for
             must(joint_space_add(&s, device, &f.space, ERR));
@@ -240,14 +232,13 @@ TEST(many_kernels_leave_a_number_of_plans)
     search_sample last = joint_space_at(&s, n - 1);
     for (uint32_t i = 0; i < s.kernels.n; ++i)
         assert_true(last.configs[i] < CONFIGS);
-    joint_space_free(&s);
 }
 
 TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
 {
     fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
-    joint_space s = open_space(&f);
+    own(joint_space) s = open_space(&f);
     for (int i = 0; i < 2000; ++i) {
         search_sample p = joint_space_random(&s, &f.random);
         search_sample to = joint_space_neighbour(&s, &p, &f.random);
@@ -260,7 +251,6 @@ TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
                     f.space.configs[p.configs[device]][k] != f.space.configs[to.configs[device]][k];
         assert_true(differ <= 1);
     }
-    joint_space_free(&s);
 }
 
 // ---------------------------------------------------------------- strategies
@@ -482,7 +472,7 @@ TEST(no_plan_is_measured_twice)
 {
     fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     invent(&f);
-    joint_space s = open_space(&f);
+    own(joint_space) s = open_space(&f);
     for (int k = 0; strategies[k]; ++k) {
         if (strategies[k]->choice == STRATEGY_SHARE)
             continue;
@@ -501,7 +491,6 @@ TEST(no_plan_is_measured_twice)
         assert_int_equal(h.n, 300);
         search_end(&h);
     }
-    joint_space_free(&s);
 }
 
 // Stopped after every few trials, and taken up from JSON each time.
@@ -516,13 +505,12 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
         trial_log log = {0};
         uint32_t stops = 0;
         for (f.stop_after = 9; !run_fake(&f, names[k], NULL, &log, &o, &err); ++stops) {
-            text json = {0};
+            own(text) json = {0};
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
             trial_log_to_json(&log, &json);
             trial_log_free(&log);
             must(trial_log_from_json(&log, text_chars(&json), ERR));
-            text_free(&json);
         }
         assert_true(stops > 10);
         assert_string_equal(o.plan.variant_a, expected.plan.variant_a);
@@ -536,10 +524,9 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 
 static bool tune_by(fake *f, const char *chars, duet_tune_outcome *o, duet_error *err)
 {
-    trial_log log = {0};
+    own(trial_log) log = {0};
     script *own = strategy_lua_open("s.lua", chars, err);
     bool ok = own && run_fake(f, "lua", own, &log, o, err);
-    trial_log_free(&log);
     script_close(own);
     return ok;
 }

@@ -2,15 +2,8 @@
 // The search of kernels' parameters on kernels that are only arithmetic.
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/kernel_search.h"
 #include "tuner/tune.h"
-
-#include <inttypes.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { RIGHT = 4711, PARAMS = 4, KERNEL_MS = 6, REST_MS = 4 };
 
@@ -230,12 +223,11 @@ TEST(a_value_far_behind_beside_one_other_may_be_the_best_beside_another)
     duet_tune_def def = fake_def(&f);
     uint32_t near = 0, trials = 0;
     for (int i = 0; i < TIMES; ++i) {
-        trial_log log = {0};
+        own(trial_log) log = {0};
         invent_products(&f);
         duet_tune_outcome o = tune_fake(&f, &def, &log);
         near += excess(&f, o.plan.variant_b) < 0.03;
         trials += o.trials;
-        trial_log_free(&log);
     }
     print_message("near the best %u times of %d, %u trials a tuning\n", near, TIMES,
                   trials / TIMES);
@@ -252,14 +244,13 @@ TEST(all_of_few_sets_are_tried_only_of_a_kernel_that_takes_most_of_the_time)
     for (int k = 0; k < 2; ++k) {
         uint32_t tried = 0, all = 0;
         for (int i = 0; i < 50; ++i) {
-            trial_log log = {0};
+            own(trial_log) log = {0};
             invent_products(&f);
             for (uint32_t v = 0; v < KERNEL_SPACE_VALUES; ++v)
                 f.factor[0][v] *= parts[k];
             duet_tune_outcome o = tune_fake(&f, &def, &log);
             tried += o.kernels[1].tried;
             all += f.space.n_configs;
-            trial_log_free(&log);
         }
         print_message("%u of %u tried\n", tried, all);
         assert_int_equal(tried == all, k == 0);
@@ -281,7 +272,7 @@ TEST(a_search_comes_near_the_best_in_few_launches)
         uint32_t near = 0, launches = 0, all = 0;
         double mean = 0;
         for (int i = 0; i < TIMES; ++i) {
-            trial_log log = {0};
+            own(trial_log) log = {0};
             invent(&f, kinds[k].n_values);
             duet_tune_outcome o = tune_fake(&f, &def, &log);
             assert_int_equal(o.kernels[1].configs, f.space.n_configs);
@@ -292,7 +283,6 @@ TEST(a_search_comes_near_the_best_in_few_launches)
             launches += o.kernels[1].launches;
             all += REPEATS * f.space.n_configs;
             assert_in_range(f.told, o.trials * 3 / 4, 5 * o.trials);
-            trial_log_free(&log);
         }
         print_message("%s: %" PRIu32 " of %d within 3 %%, %.2f %% off; %.1f launches of %.1f\n",
                       kinds[k].name, near, TIMES, 100 * mean, (double)launches / TIMES,
@@ -329,7 +319,7 @@ TEST(what_is_slower_is_not_chosen)
     duet_tune_def def = fake_def(&f);
     uint32_t changed = 0;
     for (int i = 0; i < TIMES; ++i) {
-        trial_log log = {0};
+        own(trial_log) log = {0};
         invent(&f, cpu_values);
         const uint8_t *now = f.space.configs[f.space.now];
         for (uint32_t p = 0; p < PARAMS; ++p)
@@ -341,7 +331,6 @@ TEST(what_is_slower_is_not_chosen)
             changed += strcmp(variant, "auto") != 0;
             assert_string_not_equal(o.kernels[device].verdict, "");
         }
-        trial_log_free(&log);
     }
     assert_int_equal(changed, 0);
 }
@@ -350,7 +339,7 @@ TEST(what_finds_other_pairs_or_does_not_build_is_not_chosen)
 {
     fake f = {.random = rng_seed(test_seed()), .sigma = 0.01};
     duet_tune_def def = fake_def(&f);
-    trial_log log = {0};
+    own(trial_log) log = {0};
     invent(&f, cpu_values);
     uint8_t now = f.space.configs[f.space.now][0];
     uint8_t wrong = now == 0 ? 1 : 0, broken = now == 3 ? 2 : 3;
@@ -362,19 +351,17 @@ TEST(what_finds_other_pairs_or_does_not_build_is_not_chosen)
     read_config(&f, o.plan.variant_b, chosen);
     assert_int_not_equal(chosen[0], wrong);
     assert_int_not_equal(chosen[0], broken);
-    trial_log_free(&log);
 }
 
 TEST(kernels_that_do_not_build_at_all_are_said_with_their_reason)
 {
     fake f = {.random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
-    trial_log log = {0};
+    own(trial_log) log = {0};
     duet_tune_outcome o;
     invent(&f, cpu_values);
     f.broken = f.space.params[0].values[f.space.configs[f.space.now][0]];
     must_fail(run_fake(&f, &def, &log, &o, ERR), DUET_STATUS_BUILD_FAILED, "broken does not build");
-    trial_log_free(&log);
 }
 
 // A value that is valid only beside another one of the others is reached all the same.
@@ -382,7 +369,7 @@ TEST(values_that_go_together_are_reached)
 {
     fake f = {.random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
-    trial_log log = {0};
+    own(trial_log) log = {0};
     invent(&f, gpu_values);
     for (uint32_t p = 0; p < PARAMS; ++p)
         for (uint32_t v = 0; v < KERNEL_SPACE_VALUES; ++v)
@@ -393,7 +380,6 @@ TEST(values_that_go_together_are_reached)
     uint8_t chosen[PARAMS];
     read_config(&f, o.plan.variant_b, chosen);
     assert_int_equal(chosen[1], 4);
-    trial_log_free(&log);
 }
 
 // Stopped after every few trials, and taken up from JSON each time.
@@ -412,12 +398,11 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
     uint32_t stops = 0;
     while (!run_fake(&f, &def, &log, &o, &err)) {
         assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
-        text json = {0};
+        own(text) json = {0};
         err = (duet_error){0};
         trial_log_to_json(&log, &json);
         trial_log_free(&log);
         must(trial_log_from_json(&log, text_chars(&json), ERR));
-        text_free(&json);
         assert_true(++stops < 200);
     }
     assert_true(stops > 3);
@@ -433,11 +418,10 @@ TEST(a_budget_ends_the_search_and_leaves_the_rest_of_the_tuning)
     duet_tune_def def = fake_def(&f);
     invent(&f, gpu_values);
     for (def.budget_trials = 70; def.budget_trials < 200; def.budget_trials += 10) {
-        trial_log log = {0};
+        own(trial_log) log = {0};
         duet_tune_outcome o = tune_fake(&f, &def, &log);
         assert_in_range(o.trials, 1, def.budget_trials);
         assert_true(o.step_ms > 0);
-        trial_log_free(&log);
     }
 }
 

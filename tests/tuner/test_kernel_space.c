@@ -2,12 +2,7 @@
 // Parameters that can be set of the kernels that a world really runs.
 #include "support/test.h"
 
-#include "runtime/broadphase/kernel_space.h"
 #include "tuner/subject.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { BOXES = 300 };
 
@@ -76,7 +71,7 @@ TEST(the_search_of_a_cpu_has_48_configs)
 {
     static const char *const names[] = {"BUF", "AHEAD", "PER_ITEM"};
     static const int64_t now[] = {512, 32, 1024};
-    kernel_spaces spaces = read_b(*state, "simd");
+    own(kernel_spaces) spaces = read_b(*state, "simd");
     const kernel_space *s = find(&spaces, "pair_search_simd");
     assert_ptr_equal(s, spaces.of); // first, as what takes longest
     assert_int_equal(s->n_configs, 4 * 4 * 3);
@@ -85,23 +80,20 @@ TEST(the_search_of_a_cpu_has_48_configs)
         assert_string_equal(s->params[i].name, names[i]);
         assert_int_equal(s->params[i].values[s->configs[s->now][i]], now[i]);
     }
-    kernel_spaces_free(&spaces);
 }
 
 TEST(what_a_variant_sets_is_not_free)
 {
-    kernel_spaces spaces = read_b(*state, "simd pair_search_simd.BUF=256");
+    own(kernel_spaces) spaces = read_b(*state, "simd pair_search_simd.BUF=256");
     assert_int_equal(find(&spaces, "pair_search_simd")->n_configs, 4 * 3);
-    kernel_spaces_free(&spaces);
 }
 
 // A combination that the card rules out is no config: on a CPU 2 * 3 * 4 * 2 less those whose BATCH
 // is no multiple of LANES.
 TEST(configs_that_are_not_valid_are_left_out)
 {
-    kernel_spaces spaces = read_b(*state, "simd");
+    own(kernel_spaces) spaces = read_b(*state, "simd");
     assert_int_equal(find(&spaces, "hash")->n_configs, (2 * 3 - 1) * 4 * 2);
-    kernel_spaces_free(&spaces);
 }
 
 TEST(a_config_as_text_runs_and_finds_the_same_pairs)
@@ -109,7 +101,7 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     fixture *f = *state;
     char variant[DUET_VARIANT] = "simd", full[DUET_VARIANT];
     measure_launch plain = {0}, set = {0};
-    kernel_spaces spaces = read_b(f, "simd");
+    own(kernel_spaces) spaces = read_b(f, "simd");
     const kernel_space *s = find(&spaces, "clear");
     assert_true(kernel_space_write(s, s->now, variant));
     assert_string_equal(variant, "simd");
@@ -124,7 +116,6 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     strcpy(plan.variant_b, variant);
     must(machine.launch(machine.context, &plan, false, &set, ERR));
     assert_true(plain.hash == set.hash && plain.hash != 0);
-    kernel_spaces_free(&spaces);
 }
 
 // The search of a CPU tests what it finds: its stage is a part of T_GPU2 all the same.

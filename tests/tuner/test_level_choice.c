@@ -4,8 +4,6 @@
 
 #include "tuner/level_costs.h"
 
-#include <string.h>
-
 static const duet_level all[] = {DUET_LEVEL_CERTIFIED, DUET_LEVEL_AABB,  DUET_LEVEL_SPHERE,
                                  DUET_LEVEL_SAT6,      DUET_LEVEL_SAT15, DUET_LEVEL_DOUBLE};
 

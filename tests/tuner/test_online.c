@@ -6,9 +6,6 @@
 #include "tuner/online.h"
 #include "tuner/record.h"
 
-#include <math.h>
-#include <string.h>
-
 #define STORE "test_online.db"
 
 // Two devices that are only arithmetic, with a model for each mode, and kernels that take so many

@@ -6,8 +6,6 @@
 
 #include "tuner/duet_tune.h"
 
-#include <stdlib.h>
-
 enum { N = 2000, MOST_RUNS = 1500 };
 
 static duet_task *open_task(void)

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
-#include "base/rng.h"
 #include "tuner/race.h"
-
-#include <math.h>
 
 TEST(medians_and_deviations_of_few_values)
 {

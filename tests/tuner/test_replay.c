@@ -8,11 +8,6 @@
 #include "tuner/replay.h"
 #include "tuner/strategy.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { INVENTED = 100000, POINTS = 20, LEFT_OUT = 10 };
 
 static const double SPREAD = 0.02;

@@ -5,10 +5,6 @@
 #include "support/program.h"
 #include "support/simulated_pair.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Runs a strategy to its end on a model and gives its pick.
 static uint32_t pick_of(const char *name, const simulated_pair *model, rng *r, uint32_t *launches,
                         double *cost)

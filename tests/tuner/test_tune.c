@@ -5,11 +5,6 @@
 #include "base/budget.h"
 #include "support/simulated_pair.h"
 #include "tuner/trial_budget.h"
-#include "tuner/tune.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { RIGHT = 4711 };
 
@@ -138,9 +133,8 @@ static tune_problem fake_task(fake *f, const duet_tune_def *def)
 static duet_tune_outcome tune_problem_fake(const tune_problem *problem)
 {
     duet_tune_outcome outcome;
-    trial_log state = {0};
+    own(trial_log) state = {0};
     must(tune_run(problem, &state, &outcome, ERR));
-    trial_log_free(&state);
     return outcome;
 }
 
@@ -500,12 +494,11 @@ TEST(a_default_that_finds_wrong_pairs_ends_the_tuning)
     tune_problem problem = fake_task(&f, &def);
     strcpy(problem.plan.variant_a, "wrong");
     strcpy(problem.plan.variant_b, "wrong");
-    trial_log kept = {0};
+    own(trial_log) kept = {0};
     duet_tune_outcome outcome;
     must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_WRONG_RESULT,
               "result hash 0000000000000001");
     assert_int_equal(f.launches, 1);
-    trial_log_free(&kept);
 }
 
 TEST(nothing_that_builds_is_said_with_its_reason)
@@ -515,11 +508,10 @@ TEST(nothing_that_builds_is_said_with_its_reason)
     duet_tune_def def = fake_def(&f);
     def.variants = broken;
     tune_problem problem = fake_task(&f, &def);
-    trial_log kept = {0};
+    own(trial_log) kept = {0};
     duet_tune_outcome outcome;
     must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_BUILD_FAILED,
               "broken does not build");
-    trial_log_free(&kept);
 }
 
 static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
@@ -551,11 +543,10 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
         while (!tune_run(&problem, &kept, &outcome, &err)) {
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
-            text json = {0};
+            own(text) json = {0};
             trial_log_to_json(&kept, &json);
             trial_log_free(&kept);
             must(trial_log_from_json(&kept, text_chars(&json), ERR));
-            text_free(&json);
             assert_true(++stops < 500);
         }
         assert_same(&outcome, &expected);
@@ -597,13 +588,12 @@ TEST(seconds_that_cannot_do_are_refused_after_the_first_trial)
     fake f = {.model = {.ratio = 3}};
     duet_tune_def def = fake_def(&f);
     tune_problem problem = fake_task(&f, &def);
-    trial_log kept = {0};
+    own(trial_log) kept = {0};
     duet_tune_outcome outcome;
     def.budget_seconds = 1e-3;
     must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_BAD_ARGUMENT,
               "a budget of 0.001 s ends before a verdict");
     assert_int_equal(kept.n, 1);
-    trial_log_free(&kept);
 }
 
 // ---------------------------------------------------------------- parts of one device
@@ -723,7 +713,7 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
     tune_problem problem = fake_task(&f, &def);
     problem.machine.launch = launch_stopped;
     problem.recorder = (tune_recorder){&f, count_recorded};
-    trial_log kept = {0};
+    own(trial_log) kept = {0};
     duet_tune_outcome outcome;
     duet_error err = {0};
     stopped_now = false;
@@ -735,7 +725,6 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
     assert_non_null(strstr(err.text, "stopped after 2 trials"));
     assert_int_equal(kept.n, 2); // trials of four launches each; the third was cut
     assert_int_equal(f.recorded, 2);
-    trial_log_free(&kept);
 }
 
 TEST(a_start_from_a_neighbour_saves_trials)
@@ -744,11 +733,10 @@ TEST(a_start_from_a_neighbour_saves_trials)
     duet_tune_def def = fake_def(&f);
     tune_problem problem = fake_task(&f, &def);
     problem.start = SEARCH_ONE / 10;
-    trial_log kept = {0};
+    own(trial_log) kept = {0};
     duet_tune_outcome outcome;
     must(tune_run(&problem, &kept, &outcome, ERR));
     assert_int_equal(kept.entries[1].plan.share, problem.start);
-    trial_log_free(&kept);
 }
 
 TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
@@ -756,7 +744,7 @@ TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
     fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
     duet_tune_def def = fake_def(&f);
     tune_problem problem = fake_task(&f, &def);
-    trial_log kept = {0};
+    own(trial_log) kept = {0};
     duet_tune_outcome outcome;
     must(tune_run(&problem, &kept, &outcome, ERR));
     kept.entries[2].plan.share += 5;
@@ -764,7 +752,6 @@ TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
     uint32_t before = f.launches;
     must(tune_run(&problem, &kept, &outcome, ERR));
     assert_int_equal(f.launches - before, outcome.launches - known);
-    trial_log_free(&kept);
 }
 
 static fake halves(uint64_t seed)
@@ -815,7 +802,7 @@ TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
     duet_tune_def def = fake_def(&f);
     def.wait_seconds = 0.25;
     tune_problem problem = fake_task(&f, &def);
-    trial_log log = {0};
+    own(trial_log) log = {0};
     duet_tune_outcome outcome;
     must(tune_run(&problem, &log, &outcome, ERR));
     assert_true(tune_gave_up(&outcome));
@@ -829,7 +816,6 @@ TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
     must(tune_run(&problem, &log, &outcome, ERR));
     assert_string_equal(outcome.verdict, "faster");
     assert_true(log.n > kept);
-    trial_log_free(&log);
 }
 
 // The machine is then as quiet as it can be: its threads are in each other's way.
