@@ -43,8 +43,6 @@ static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES,
 static const command_line line = {
     .name = "profiles why",
     .operands = "[SCENE|FILE]",
-    .least_operands = 1,
-    .most_operands = 1,
     .instead = "task",
     .about = "Says which profile an application with this scene would get here, and why. The\n"
              "grades are tried from the best down; docs/store.md explains them.",
