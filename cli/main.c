@@ -19,22 +19,8 @@ static const struct {
     int (*run)(int argc, char **argv);
     const char *about;
 } commands[] = {
-    {"accuracy", command_accuracy, "measure what each level of accuracy costs, and gets wrong"},
-    {"bench", command_bench, "run a standard set of measurements, or compare two"},
-    {"cluster", command_cluster, "find all pairs of a scene on several machines or devices"},
-    {"devices", command_devices, "list the OpenCL devices here, with selectors for --pair"},
-    {"explain", command_explain, "show the effects or kernels of a scene, and what each costs"},
-    {"lua", command_lua, "run a script that uses all of this, or a prompt"},
-    {"picture", command_picture, "draw a scene, its cells and its pairs"},
-    {"profiles", command_profiles, "manage what was measured, and what applications load"},
-    {"query", command_query, "test pairs of boxes from a file: colliding or separated"},
-    {"report", command_report, "write one HTML page with all that was measured"},
-    {"run", command_run, "find all pairs of a scene, and show where the time went"},
-    {"scenes", command_scenes, "list the scenes that come with Duet"},
-    {"source", command_source, "print the exact text of a kernel, or its parameters"},
-    {"tune", command_tune, "find how two devices share a scene's work best, and store it"},
-    {"verify", command_verify, "run a moving scene twice, and show the first bit that differs"},
-};
+#define ROW(name, about) {#name, command_##name, about},
+    COMMANDS(ROW)};
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 

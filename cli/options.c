@@ -5,6 +5,7 @@
 #include "cli/interrupt.h"
 #include "cli/report/table.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -32,8 +33,8 @@ static void add_row(table *t, const char *name, const char *value, const char *h
 
 static void print_help(const command_line *line)
 {
-    printf("duet %s%s%s [options]\n%s\n\n", line->name, *line->operands ? " " : "", line->operands,
-           line->about);
+    printf("duet %s%s%s [options]\n%s\n\n", line->name, line->operands ? " " : "",
+           line->operands ? line->operands : "", line->about);
     table t = table_begin("ll");
     for (const option *o = line->options; o->name; ++o)
         add_row(&t, o->name, o->value, o->help);
@@ -118,21 +119,36 @@ static bool take_option(const command_line *line, const asked *a, int argc, char
     return option_set(line, o, value, args);
 }
 
+// How many operands there are at least and at most. One that a file can stand for is needed, too.
+static void count_operands(const command_line *line, int *least, int *most)
+{
+    const char *at = line->operands ? line->operands : "";
+    *least = line->instead != NULL;
+    *most = strstr(at, "...") ? INT_MAX : 0;
+    for (; *at; at += strcspn(at, " "), at += *at == ' ') {
+        *least += *at != '[';
+        *most += *most < INT_MAX;
+    }
+    *most = line->most_operands ? line->most_operands : *most;
+}
+
 static bool check_operands(const command_line *line, const given_options *given, int n,
                            char **operands)
 {
     const bool instead = line->instead && option_is_given(line, given, line->instead);
-    const char *name = line->operands + strspn(line->operands, "[");
+    const char *name = line->operands ? line->operands + strspn(line->operands, "[") : "";
     const int length = (int)strcspn(name, "]");
+    int least, most;
+    count_operands(line, &least, &most);
     if (instead && n > 0)
         return REFUSE(line, "--%s: the file says what it is; give no %.*s", line->instead, length,
                       name);
-    if (!instead && n < line->least_operands)
+    if (!instead && n < least)
         return REFUSE(line, "%.*s is missing; 'duet %s --help' says what it is", length, name,
                       line->name);
-    if (n > line->most_operands)
+    if (n > most)
         return REFUSE(line, "unexpected argument '%s'; 'duet %s --help' shows the form",
-                      operands[line->most_operands], line->name);
+                      operands[most], line->name);
     return true;
 }
 

@@ -73,11 +73,10 @@ typedef struct option_rule {
 
 // A subcommand's whole command line.
 typedef struct command_line {
-    const char *name;     // "run"
-    const char *operands; // "SCENE|FILE", or ""
-    int least_operands;
-    int most_operands;
-    const char *instead;      // an option that names a file in the operands' place; NULL: none
+    const char *name;         // "run"
+    const char *operands;     // "SCENE|FILE"; [in brackets] may be left out, ... more. NULL: none
+    int most_operands;        // 0: as many as operands names
+    const char *instead;      // an option that names a file in the operand's place; NULL: none
     const char *about;        // one line of help, a sentence
     const option *options;    // ends with a row without name
     const option_rule *rules; // ends with {0}; NULL: none
@@ -92,6 +91,14 @@ typedef bool command_body(void *args, char **operands, duet_error *err);
 // Reads argv[1...] into args, which holds the defaults, and runs the subcommand.
 // Returns the exit status; a line on stderr says what is wrong or failed.
 int options_run(const command_line *line, int argc, char **argv, void *args, command_body *run);
+
+// Defines a subcommand of one line, whose defaults these are.
+#define SUBCOMMAND(name, ...)                              \
+    int command_##name(int argc, char **argv)              \
+    {                                                      \
+        arguments args = {__VA_ARGS__};                    \
+        return options_run(&line, argc, argv, &args, run); \
+    }
 
 // Whether an output goes to stdout, which then holds nothing else. NULL: none is asked for.
 bool options_is_stdout(const char *path);

@@ -505,72 +505,39 @@ static int array_close(lua_State *L)
     return 0;
 }
 
-static const luaL_Reg methods[] = {{"get", array_get},     {"set", array_set},
-                                   {"each", array_each},   {"bytes", array_bytes},
-                                   {"close", array_close}, {NULL, NULL}};
-static const luaL_Reg metas[] = {
-    {"__len", array_length}, {"__tostring", array_tostring}, {NULL, NULL}};
-static const lua_shared poses_methods[] = {
-    {"collide", collide, ARRAY_POSES}, {"separation", separation, ARRAY_POSES}, {NULL, NULL, 0}};
-static const lua_shared rounded_boxes_methods[] = {{"collide", collide, ARRAY_ROUNDED_BOXES},
-                                                   {"separation", separation, ARRAY_ROUNDED_BOXES},
-                                                   {NULL, NULL, 0}};
-static const luaL_Reg pairs_methods[] = {{"hash", pairs_hash}, {NULL, NULL}};
+// Of all arrays.
+static const lua_method methods[] = {{"get", array_get, 0},
+                                     {"set", array_set, 0},
+                                     {"each", array_each, 0},
+                                     {"bytes", array_bytes, 0},
+                                     {"close", array_close, 0},
+                                     {"__len", array_length, 0},
+                                     {"__tostring", array_tostring, 0},
+                                     {0}};
 
-#define ROWS_FROM(name_, columns, bytes, least)                                            \
-    {                                                                                      \
-        {.name = "duet." name_, .methods = methods, .metas = metas}, columns, bytes, least \
-    }
-#define ROWS(name, columns, bytes) ROWS_FROM(name, columns, bytes, 0)
+static const lua_noun array_noun = {
+    {NULL},
+    (const lua_method[]){{"duet.poses:collide", collide, ARRAY_POSES},
+                         {"duet.poses:separation", separation, ARRAY_POSES},
+                         {"duet.rounded_boxes:collide", collide, ARRAY_ROUNDED_BOXES},
+                         {"duet.rounded_boxes:separation", separation, ARRAY_ROUNDED_BOXES},
+                         {"duet.pairs:hash", pairs_hash, 0},
+                         {0}}};
 
-static const kind_info kinds[] = {
-    [ARRAY_POSES] = ROWS("poses", "ffffffffff", sizeof(duet_pose)),
-    [ARRAY_BOUNDS] = ROWS("bounds", "ffffff", sizeof(duet_bounds)),
-    [ARRAY_TRANSFORMS] = ROWS("transforms", "fffffff", sizeof(duet_transform)),
-    [ARRAY_COMPACT_TRANSFORMS] =
-        ROWS("compact_transforms", "fffhhhh", sizeof(duet_compact_transform)),
-    [ARRAY_SIZES] = ROWS("sizes", "fff", sizeof(duet_size)),
-    [ARRAY_ROUNDED_BOXES] = ROWS("rounded_boxes", "fffffffffff", sizeof(duet_rounded_box)),
-    [ARRAY_SPHERES] = ROWS("spheres", "ffff", sizeof(duet_sphere)),
-    [ARRAY_LARGE_POSES] = ROWS("large_poses", "ffffffffffiii", sizeof(duet_large_pose)),
-    [ARRAY_PAIRS] = ROWS("pairs", "II", sizeof(duet_pair)),
-    [ARRAY_PAIRS64] = ROWS("pairs64", "QQ", 2 * sizeof(uint64_t)),
-    [ARRAY_BODIES] = ROWS_FROM("bodies", "fffffffffIIfBBffffI", sizeof(duet_body), 14),
-    [ARRAY_STATES] = ROWS("states", "ddddddddddddd", sizeof(duet_state)),
-    [ARRAY_CONTACTS] = ROWS("contacts", "IIfffIffffffffffffffffffff", sizeof(duet_contact)),
-    [ARRAY_ANSWERS] = ROWS("answers", "C", sizeof(uint8_t)),
-    [ARRAY_SEPARATIONS] = ROWS("separations", "d", sizeof(double)),
-    [ARRAY_RAYS] = ROWS("rays", "fffffff", sizeof(duet_ray)),
-    [ARRAY_LARGE_RAYS] = ROWS("large_rays", "fffffffiii", sizeof(duet_large_ray)),
-    [ARRAY_HITS] = ROWS("hits", "IIf", sizeof(duet_ray_hit)),
-    [ARRAY_PLACES] = ROWS("places", "I", sizeof(uint32_t)),
-    [ARRAY_BOX_HITS] = ROWS("box_hits", "II", sizeof(duet_box_hit)),
-    [ARRAY_FILTERS] = ROWS("filters", "II", sizeof(duet_filter)),
-    [ARRAY_POINTS] = ROWS("points", "fff", sizeof(duet_point)),
-    [ARRAY_LARGE_POINTS] = ROWS("large_points", "fffiii", sizeof(duet_large_point)),
-    [ARRAY_POINT_HITS] = ROWS("point_hits", "IIf", sizeof(duet_point_hit)),
-    [ARRAY_SWEEPS] = ROWS("sweeps", "ffffffffffffff", sizeof(duet_sweep)),
-    [ARRAY_BOUNDS_SWEEPS] = ROWS("bounds_sweeps", "ffffffffff", sizeof(duet_bounds_sweep)),
-    [ARRAY_LARGE_SWEEPS] = ROWS("large_sweeps", "ffffffffffiiiffff", sizeof(duet_large_sweep)),
-    [ARRAY_ROUNDED_SWEEPS] = ROWS("rounded_sweeps", "fffffffffffffff", sizeof(duet_rounded_sweep)),
-    [ARRAY_SPHERE_SWEEPS] = ROWS("sphere_sweeps", "ffffffff", sizeof(duet_sphere_sweep)),
-    [ARRAY_SWEEP_HITS] = ROWS("sweep_hits", "IIffff", sizeof(duet_sweep_hit)),
-    [ARRAY_IDS] = ROWS("ids", "Q", sizeof(uint64_t)),
-    [ARRAY_FORCES] = ROWS("forces", "ffffff", sizeof(duet_force)),
-    [ARRAY_IMPULSES] = ROWS("impulses", "ffffff", sizeof(duet_impulse)),
-    [ARRAY_STATE_ROWS] = ROWS("state_rows", "ffff", 4 * sizeof(float)),
-    [ARRAY_DOUBLE_STATE_ROWS] = ROWS("double_state_rows", "dddd", 4 * sizeof(double)),
-};
+#define KIND_INFO(kind, name_, columns, bytes, least) \
+    {{.name = "duet." #name_}, columns, bytes, least},
+static const kind_info kinds[] = {ARRAY_LIST(KIND_INFO)};
 
 void array_open(lua_State *L)
 {
     for (int kind = 0; kind < ARRAY_KINDS; ++kind) {
+        const char *name = kinds[kind].class.name;
         class_open(L, &kinds[kind].class);
+        for (const lua_method *m = methods; m->name; ++m)
+            class_add(L, name, m);
         lua_pushinteger(L, kind);
         lua_pushcclosure(L, make, 1);
-        lua_setfield(L, -2, kinds[kind].class.name + sizeof "duet." - 1);
+        lua_setfield(L, -2, name + sizeof "duet." - 1);
     }
-    class_add_methods(L, "duet.poses", NULL, poses_methods);
-    class_add_methods(L, "duet.rounded_boxes", NULL, rounded_boxes_methods);
-    class_add_methods(L, "duet.pairs", pairs_methods, NULL);
+    class_open_noun(L, &array_noun);
 }

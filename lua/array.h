@@ -9,44 +9,49 @@
 
 #include <lua.h>
 
-typedef enum array_kind {
-    ARRAY_POSES,
-    ARRAY_BOUNDS,
-    ARRAY_TRANSFORMS,
-    ARRAY_COMPACT_TRANSFORMS,
-    ARRAY_SIZES,
-    ARRAY_ROUNDED_BOXES,
-    ARRAY_SPHERES,
-    ARRAY_LARGE_POSES,
-    ARRAY_PAIRS,
-    ARRAY_PAIRS64,
-    ARRAY_BODIES,
-    ARRAY_STATES,
-    ARRAY_CONTACTS,
-    ARRAY_ANSWERS,
-    ARRAY_SEPARATIONS,
-    ARRAY_RAYS,
-    ARRAY_LARGE_RAYS,
-    ARRAY_HITS,
-    ARRAY_PLACES,
-    ARRAY_IDS,
-    ARRAY_BOX_HITS,
-    ARRAY_FILTERS,
-    ARRAY_POINTS,
-    ARRAY_LARGE_POINTS,
-    ARRAY_POINT_HITS,
-    ARRAY_SWEEPS,
-    ARRAY_BOUNDS_SWEEPS,
-    ARRAY_LARGE_SWEEPS,
-    ARRAY_ROUNDED_SWEEPS,
-    ARRAY_SPHERE_SWEEPS,
-    ARRAY_SWEEP_HITS,
-    ARRAY_FORCES,
-    ARRAY_IMPULSES,
-    ARRAY_STATE_ROWS,
-    ARRAY_DOUBLE_STATE_ROWS,
-    ARRAY_KINDS
-} array_kind;
+// clang-format off
+// Each kind: its name in C and in Lua, a letter for each column (array.c), the bytes of a row, and
+// columns that a row may end after; 0: it has all.
+#define ARRAY_LIST(X) \
+    X(POSES, poses, "ffffffffff", sizeof(duet_pose), 0) \
+    X(BOUNDS, bounds, "ffffff", sizeof(duet_bounds), 0) \
+    X(TRANSFORMS, transforms, "fffffff", sizeof(duet_transform), 0) \
+    X(COMPACT_TRANSFORMS, compact_transforms, "fffhhhh", sizeof(duet_compact_transform), 0) \
+    X(SIZES, sizes, "fff", sizeof(duet_size), 0) \
+    X(ROUNDED_BOXES, rounded_boxes, "fffffffffff", sizeof(duet_rounded_box), 0) \
+    X(SPHERES, spheres, "ffff", sizeof(duet_sphere), 0) \
+    X(LARGE_POSES, large_poses, "ffffffffffiii", sizeof(duet_large_pose), 0) \
+    X(PAIRS, pairs, "II", sizeof(duet_pair), 0) \
+    X(PAIRS64, pairs64, "QQ", 2 * sizeof(uint64_t), 0) \
+    X(BODIES, bodies, "fffffffffIIfBBffffI", sizeof(duet_body), 14) \
+    X(STATES, states, "ddddddddddddd", sizeof(duet_state), 0) \
+    X(CONTACTS, contacts, "IIfffIffffffffffffffffffff", sizeof(duet_contact), 0) \
+    X(ANSWERS, answers, "C", sizeof(uint8_t), 0) \
+    X(SEPARATIONS, separations, "d", sizeof(double), 0) \
+    X(RAYS, rays, "fffffff", sizeof(duet_ray), 0) \
+    X(LARGE_RAYS, large_rays, "fffffffiii", sizeof(duet_large_ray), 0) \
+    X(HITS, hits, "IIf", sizeof(duet_ray_hit), 0) \
+    X(PLACES, places, "I", sizeof(uint32_t), 0) \
+    X(BOX_HITS, box_hits, "II", sizeof(duet_box_hit), 0) \
+    X(FILTERS, filters, "II", sizeof(duet_filter), 0) \
+    X(POINTS, points, "fff", sizeof(duet_point), 0) \
+    X(LARGE_POINTS, large_points, "fffiii", sizeof(duet_large_point), 0) \
+    X(POINT_HITS, point_hits, "IIf", sizeof(duet_point_hit), 0) \
+    X(SWEEPS, sweeps, "ffffffffffffff", sizeof(duet_sweep), 0) \
+    X(BOUNDS_SWEEPS, bounds_sweeps, "ffffffffff", sizeof(duet_bounds_sweep), 0) \
+    X(LARGE_SWEEPS, large_sweeps, "ffffffffffiiiffff", sizeof(duet_large_sweep), 0) \
+    X(ROUNDED_SWEEPS, rounded_sweeps, "fffffffffffffff", sizeof(duet_rounded_sweep), 0) \
+    X(SPHERE_SWEEPS, sphere_sweeps, "ffffffff", sizeof(duet_sphere_sweep), 0) \
+    X(SWEEP_HITS, sweep_hits, "IIffff", sizeof(duet_sweep_hit), 0) \
+    X(IDS, ids, "Q", sizeof(uint64_t), 0) \
+    X(FORCES, forces, "ffffff", sizeof(duet_force), 0) \
+    X(IMPULSES, impulses, "ffffff", sizeof(duet_impulse), 0) \
+    X(STATE_ROWS, state_rows, "ffff", 4 * sizeof(float), 0) \
+    X(DOUBLE_STATE_ROWS, double_state_rows, "dddd", 4 * sizeof(double), 0)
+// clang-format on
+
+#define ARRAY_KIND(kind, name, columns, bytes, least) ARRAY_##kind,
+typedef enum array_kind { ARRAY_LIST(ARRAY_KIND) ARRAY_KINDS } array_kind;
 
 // The owner of the rows.
 typedef enum array_access {

@@ -3,6 +3,7 @@
 
 #include "base/budget.h"
 
+#include <stdio.h>
 #include <string.h>
 
 // object.name: a field's value, else the method; a misspelt name is an error.
@@ -129,28 +130,25 @@ static int close_handle(lua_State *L)
     return 0;
 }
 
-// Into the table on top.
-static void set_methods(lua_State *L, const luaL_Reg *methods, const lua_shared *shared)
+// Takes a function off the stack, into a class under this name.
+static void set_method(lua_State *L, const char *class, const char *name)
 {
-    if (methods)
-        luaL_setfuncs(L, methods, 0);
-    for (const lua_shared *m = shared; m && m->name; ++m) {
-        lua_pushinteger(L, m->which);
-        lua_pushcclosure(L, m->call, 1);
-        lua_setfield(L, -2, m->name);
+    luaL_getmetatable(L, class);
+    lua_insert(L, -2);
+    if (strncmp(name, "__", 2) == 0) {
+        lua_setfield(L, -2, name);
+        lua_pop(L, 1);
+        return;
     }
-}
-
-// Pushes a table of them.
-static void push_methods(lua_State *L, const lua_class *c)
-{
-    lua_newtable(L);
-    set_methods(L, c->methods, c->shared);
-    if (c->destroy) {
-        lua_pushlightuserdata(L, (void *)c);
-        lua_pushcclosure(L, close_handle, 1);
-        lua_setfield(L, -2, "close");
+    for (int i = 0; i < 2 && strcmp(name, "close") == 0; ++i) {
+        lua_pushvalue(L, -1);
+        lua_setfield(L, -3, i == 0 ? "__gc" : "__close");
     }
+    lua_getfield(L, -2, "__index");
+    lua_getupvalue(L, -1, 2); // find_member's
+    lua_pushvalue(L, -3);
+    lua_setfield(L, -2, name);
+    lua_pop(L, 4);
 }
 
 void class_open(lua_State *L, const lua_class *c)
@@ -162,29 +160,47 @@ void class_open(lua_State *L, const lua_class *c)
     lua_pushlightuserdata(L, (void *)c);
     lua_pushcclosure(L, class_tostring, 1);
     lua_setfield(L, -2, "__tostring");
-    if (c->metas)
-        luaL_setfuncs(L, c->metas, 0);
     lua_pushlightuserdata(L, (void *)c);
-    push_methods(L, c);
-    lua_getfield(L, -1, "close");
-    lua_pushvalue(L, -1);
-    lua_setfield(L, -5, "__gc");
-    lua_setfield(L, -4, "__close");
+    lua_newtable(L);
     lua_pushcclosure(L, find_member, 2);
     lua_setfield(L, -2, "__index");
     lua_pushstring(L, c->name); // getmetatable gives this: scripts see no more of the metatable
     lua_setfield(L, -2, "__metatable");
     lua_pop(L, 1);
+    if (!c->destroy)
+        return;
+    lua_pushlightuserdata(L, (void *)c);
+    lua_pushcclosure(L, close_handle, 1);
+    set_method(L, c->name, "close");
 }
 
-void class_add_methods(lua_State *L, const char *name, const luaL_Reg *methods,
-                       const lua_shared *shared)
+static void push_call(lua_State *L, const lua_method *m)
 {
-    luaL_getmetatable(L, name);
-    lua_getfield(L, -1, "__index");
-    lua_getupvalue(L, -1, 2); // find_member's
-    set_methods(L, methods, shared);
-    lua_pop(L, 3);
+    lua_pushinteger(L, m->which);
+    lua_pushcclosure(L, m->call, 1);
+}
+
+void class_add(lua_State *L, const char *class, const lua_method *m)
+{
+    push_call(L, m);
+    set_method(L, class, m->name);
+}
+
+void class_open_noun(lua_State *L, const lua_noun *noun)
+{
+    for (const lua_class *const *c = noun->classes; *c; ++c)
+        class_open(L, *c);
+    for (const lua_method *m = noun->methods; m->name; ++m) {
+        char class[32];
+        size_t length = strcspn(m->name, ":");
+        push_call(L, m);
+        if (m->name[length] == '\0') {
+            lua_setfield(L, -2, m->name + sizeof "duet." - 1);
+            continue;
+        }
+        snprintf(class, sizeof class, "%.*s", (int)length, m->name);
+        set_method(L, class, m->name + length + 1);
+    }
 }
 
 // An object may hold memory that Lua knows nothing of.

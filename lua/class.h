@@ -12,24 +12,43 @@
 #include <lua.h>
 #include <stdbool.h>
 
-// One of several methods that share a C function: `which` is its first upvalue.
-typedef struct lua_shared {
+// A function of the module, "duet.scene", or a method of a class, "duet.scene:poses". One whose
+// name begins with __ is the metatable's; "close" is __gc and __close too.
+typedef struct lua_method {
     const char *name;
     lua_CFunction call;
-    lua_Integer which;
-} lua_shared;
+    lua_Integer which; // its first upvalue, for several that share a C function
+} lua_method;
+
+// Methods whose C functions have the names of class and method: METHODS(world, step) is
+// "duet.world:step" by world_step.
+#define METHODS(class, ...) EACH(METHOD_OF, class, , __VA_ARGS__)
+#define METHOD_OF(class, none, method)                  \
+    {                                                   \
+        "duet." #class ":" #method, class##_##method, 0 \
+    }
 
 typedef struct lua_class {
     const char *name;                       // "duet.scene"
-    const luaL_Reg *methods;                // "close" is __gc and __close too
-    const lua_shared *shared;               // methods too; NULL: none
-    const luaL_Reg *metas;                  // __len ...; NULL: none
     const member *members;                  // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed
     lua_CFunction about;           // without members: pushes what it is in words; raises if closed
     void (*destroy)(void *object); // "close", if the userdata begins with a handle
     const char *noun;              // the name of that: "tree"
 } lua_class;
+
+// What a file adds to the module.
+typedef struct lua_noun {
+    const lua_class *classes[5]; // up to NULL
+    const lua_method *methods;   // of any class that is open; ends with {0}
+} lua_noun;
+
+// Defines the destroy of a class of such objects.
+#define CLASS_DESTROY(type)                  \
+    static void destroy_##type(void *object) \
+    {                                        \
+        duet_##type##_destroy(object);       \
+    }
 
 // The object of such a userdata. NULL: it is closed.
 typedef struct lua_handle {
@@ -39,10 +58,12 @@ typedef struct lua_handle {
 // Makes the metatable, once a state.
 void class_open(lua_State *L, const lua_class *c);
 
-// Adds methods to an open class, by its name, as they are in a lua_class: for the files
-// whose objects are made of that class's. NULL: none.
-void class_add_methods(lua_State *L, const char *name, const luaL_Reg *methods,
-                       const lua_shared *shared);
+// Adds a method to an open class; its name is without the class's.
+void class_add(lua_State *L, const char *class, const lua_method *m);
+
+// Opens a noun's classes, and adds its methods to these and others, its functions to the module at
+// -1.
+void class_open_noun(lua_State *L, const lua_noun *noun);
 
 // A Lua function: of an object of ours its class's name, then the names of its fields
 // in order and those of its methods, as two lists; of anything else nothing.

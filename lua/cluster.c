@@ -117,81 +117,16 @@ static const lua_class cluster_class;
     MEMBER_AT(#member, type, duet_cluster_def, world.member, name_of)
 
 static const member def_members[] = {
-    MEMBER(member_string, duet_cluster_def, pair),
-    MEMBER(member_bool, duet_cluster_def, plain),
-    MEMBER(member_double, duet_cluster_def, weight),
-    MEMBER(member_count, duet_cluster_def, parts),
-    MEMBER(member_bool, duet_cluster_def, drops_pairs),
-    MEMBER(member_double, duet_cluster_def, imbalance),
-    WORLD_MEMBER(member_plan, plan),
-    WORLD_MEMBER(member_count, dims),
+    MEMBERS(duet_cluster_def, pair, plain, weight, parts, drops_pairs, imbalance),
+    MEMBERS_IN(duet_cluster_def, world., plan, dims),
     WORLD_ENUM(member_enum, shape, shape_name),
     WORLD_ENUM(member_enum, level, level_name),
-    WORLD_MEMBER(member_bool, rotated),
-    WORLD_MEMBER(member_float, cell),
-    WORLD_MEMBER(member_bool, cell_fixed),
-    WORLD_MEMBER(member_count, max_pairs),
-    {0},
-};
-
-static const member event_members[] = {
-    MEMBER(member_count, duet_event, a),
-    MEMBER(member_count, duet_event, b),
-    MEMBER(member_bool, duet_event, begins),
-    {0},
-};
-
-static const member stay_members[] = {
-    MEMBER(member_count, duet_pair, a),
-    MEMBER(member_count, duet_pair, b),
-    {0},
-};
-
-static const member hit_members[] = {
-    MEMBER(member_count, duet_hit_event, a),
-    MEMBER(member_count, duet_hit_event, b),
-    MEMBER(member_double, duet_hit_event, point),
-    MEMBER(member_float, duet_hit_event, normal),
-    MEMBER(member_float, duet_hit_event, speed),
-    MEMBER(member_float, duet_hit_event, impulse),
+    MEMBERS_IN(duet_cluster_def, world., rotated, cell, cell_fixed, max_pairs),
     {0},
 };
 
 static const member box_members[] = {
-    MEMBER(member_int, cluster_box, rank),
-    MEMBER(member_int, cluster_box, rank_count),
-    {0},
-};
-
-static const member rank_members[] = {
-    MEMBER(member_chars, duet_cluster_rank, host),
-    MEMBER(member_chars, duet_cluster_rank, pair),
-    MEMBER(member_count, duet_cluster_rank, objects),
-    MEMBER(member_count, duet_cluster_rank, ghosts),
-    MEMBER(member_count, duet_cluster_rank, pairs),
-    MEMBER(member_count, duet_cluster_rank, sent_bytes),
-    MEMBER(member_double, duet_cluster_rank, busy_ms),
-    MEMBER(member_double, duet_cluster_rank, wait_ms),
-    {0},
-};
-
-static const member result_members[] = {
-    MEMBER(member_count, duet_cluster_result, objects),
-    MEMBER(member_count, duet_cluster_result, pairs),
-    MEMBER(member_double, duet_cluster_result, total_ms),
-    {0},
-};
-
-static const member motion_members[] = {
-    MEMBER(member_count, duet_cluster_motion_result, step),
-    MEMBER(member_count, duet_cluster_motion_result, bodies),
-    MEMBER(member_count, duet_cluster_motion_result, ghosts),
-    MEMBER(member_count, duet_cluster_motion_result, contacts),
-    MEMBER(member_count, duet_cluster_motion_result, colours),
-    MEMBER(member_double, duet_cluster_motion_result, total_ms),
-    MEMBER(member_double, duet_cluster_motion_result, slowest_ms),
-    MEMBER(member_double, duet_cluster_motion_result, mean_ms),
-    MEMBER(member_count, duet_cluster_motion_result, slowest_rank),
+    MEMBERS(cluster_box, rank, rank_count),
     {0},
 };
 
@@ -396,7 +331,7 @@ static int cluster_step(lua_State *L)
     ++box->steps;
     if (!box->calls->step(box->cluster.object, &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, result_members, &result);
+    member_push_table(L, MEMBERS_OF(duet_cluster_result, objects, pairs, total_ms), &result);
     array_push_hash(L, result.hash);
     lua_setfield(L, -2, "hash");
     return 1;
@@ -421,7 +356,10 @@ static int cluster_ranks(lua_State *L)
     duet_cluster_rank *ranks = lua_newuserdatauv(L, (size_t)box->rank_count * sizeof *ranks, 0);
     if (!box->calls->get_ranks(box->cluster.object, ranks, &err))
         return class_push_failure(L, &err);
-    member_push_list(L, rank_members, ranks, (uint64_t)box->rank_count, sizeof *ranks);
+    member_push_list(L,
+                     MEMBERS_OF(duet_cluster_rank, host, pair, objects, ghosts, pairs, sent_bytes,
+                                busy_ms, wait_ms),
+                     ranks, (uint64_t)box->rank_count, sizeof *ranks);
     return 1;
 }
 
@@ -464,12 +402,18 @@ static int cluster_advance(lua_State *L)
     cluster_box *box = check(L);
     if (!box->calls->advance(box->cluster.object, &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, motion_members, &result);
-    member_push_list(L, event_members, result.events, result.n_events, sizeof *result.events);
+    member_push_table(L,
+                      MEMBERS_OF(duet_cluster_motion_result, step, bodies, ghosts, contacts,
+                                 colours, total_ms, slowest_ms, mean_ms, slowest_rank),
+                      &result);
+    member_push_list(L, MEMBERS_OF(duet_event, a, b, begins), result.events, result.n_events,
+                     sizeof *result.events);
     lua_setfield(L, -2, "events");
-    member_push_list(L, stay_members, result.stays, result.n_stays, sizeof *result.stays);
+    member_push_list(L, MEMBERS_OF(duet_pair, a, b), result.stays, result.n_stays,
+                     sizeof *result.stays);
     lua_setfield(L, -2, "stays");
-    member_push_list(L, hit_members, result.hits, result.n_hits, sizeof *result.hits);
+    member_push_list(L, MEMBERS_OF(duet_hit_event, a, b, point, normal, speed, impulse),
+                     result.hits, result.n_hits, sizeof *result.hits);
     lua_setfield(L, -2, "hits");
     return 1;
 }
@@ -535,41 +479,19 @@ static int cluster_user_data(lua_State *L)
                : class_push_failure(L, &err);
 }
 
-static const lua_shared commands[] = {
-#define COMMAND(number, name, form, bodies, effect, type, rows) {#name, cluster_command, number},
+static const lua_class cluster_class = {
+    .name = "duet.cluster", .members = box_members, .struct_of = struct_of, .noun = "cluster"};
+
+const lua_noun cluster_noun = {
+    {&cluster_class},
+    (const lua_method[]){{"duet.cluster", create, 0},
+
+#define COMMAND(number, name, form, bodies, effect, type, rows) \
+    {"duet.cluster:" #name, cluster_command, number},
 #include "runtime/commands/commands.inl"
-    {NULL, NULL, 0}};
 
-static const luaL_Reg methods[] = {{"close", cluster_close},
-                                   {"load_scene", cluster_load_scene},
-                                   {"scene", cluster_scene},
-                                   {"set_objects", cluster_set_objects},
-                                   {"map_owned", cluster_map_owned},
-                                   {"set_plan", cluster_set_plan},
-                                   {"set_level", cluster_set_level},
-                                   {"load_profile", cluster_load_profile},
-                                   {"step", cluster_step},
-                                   {"own_pairs", cluster_own_pairs},
-                                   {"ranks", cluster_ranks},
-                                   {"save_pairs", cluster_save_pairs},
-                                   {"begin_motion", cluster_begin_motion},
-                                   {"motion_step", cluster_motion_step},
-                                   {"advance", cluster_advance},
-                                   {"state_hash", cluster_state_hash},
-                                   {"save_motion", cluster_save_motion},
-                                   {"user_data", cluster_user_data},
-                                   {NULL, NULL}};
-static const lua_class cluster_class = {.name = "duet.cluster",
-                                        .methods = methods,
-                                        .members = box_members,
-                                        .struct_of = struct_of,
-                                        .noun = "cluster"};
-
-void cluster_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"cluster", create}, {NULL, NULL}};
-    static const luaL_Reg no_methods[] = {{NULL, NULL}};
-    class_open(L, &cluster_class);
-    class_add_methods(L, cluster_class.name, no_methods, commands);
-    luaL_setfuncs(L, functions, 0);
-}
+                         METHODS(cluster, close, load_scene, scene, set_objects, map_owned,
+                                 set_plan, set_level, load_profile, step, own_pairs, ranks,
+                                 save_pairs, begin_motion, motion_step, advance, state_hash),
+                         METHODS(cluster, save_motion, user_data),
+                         {0}}};

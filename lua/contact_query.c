@@ -7,25 +7,20 @@ typedef struct query_box {
     duet_shape shape;
 } query_box;
 
-static const lua_class query_class;
+CLASS_DESTROY(contact_query)
+static const lua_class query_class = {
+    .name = "duet.contact_query", .destroy = destroy_contact_query, .noun = "query"};
 
 static const member def_members[] = {
     MEMBER(member_share, duet_contact_query_def, share),
-    MEMBER(member_count, duet_contact_query_def, dims),
+    MEMBERS(duet_contact_query_def, dims),
     MEMBER_ENUM(duet_contact_query_def, shape, shape_name),
-    MEMBER(member_float, duet_contact_query_def, margin),
-    {0},
-};
-
-static const member result_members[] = {
-    MEMBER(member_count, duet_contact_query_result, touching),
-    MEMBER(member_double, duet_contact_query_result, total_ms),
-    MEMBER(member_double, duet_contact_query_result, device_ms),
+    MEMBERS(duet_contact_query_def, margin),
     {0},
 };
 
 // device_pair:contact_query(def)
-static int query_create(lua_State *L)
+static int device_pair_contact_query(lua_State *L)
 {
     duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
@@ -38,7 +33,7 @@ static int query_create(lua_State *L)
 }
 
 // query:run(objects, pairs) -> contacts, result
-static int query_run(lua_State *L)
+static int contact_query_run(lua_State *L)
 {
     duet_error err = {0};
     duet_contact_query_result result = {0};
@@ -52,22 +47,11 @@ static int query_run(lua_State *L)
                                 (uint32_t)objects->n, spans, &result, &err))
         return class_push_failure(L, &err);
     array_push_copy(L, ARRAY_CONTACTS, result.contacts, result.n_contacts);
-    member_push_table(L, result_members, &result);
+    member_push_table(L, MEMBERS_OF(duet_contact_query_result, touching, total_ms, device_ms),
+                      &result);
     return 2;
 }
 
-static void destroy(void *query)
-{
-    duet_contact_query_destroy(query);
-}
-
-static const luaL_Reg methods[] = {{"run", query_run}, {NULL, NULL}};
-static const lua_class query_class = {
-    .name = "duet.contact_query", .methods = methods, .destroy = destroy, .noun = "query"};
-
-void contact_query_open_lua(lua_State *L)
-{
-    static const luaL_Reg of_pair[] = {{"contact_query", query_create}, {NULL, NULL}};
-    class_open(L, &query_class);
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-}
+const lua_noun contact_query_noun = {
+    {&query_class},
+    (const lua_method[]){METHODS(device_pair, contact_query), METHODS(contact_query, run), {0}}};

@@ -11,23 +11,11 @@ static const char *kind_name(int value)
 }
 
 static const member device_members[] = {
-    MEMBER(member_chars, duet_device_info, selector),
-    MEMBER(member_chars, duet_device_info, platform),
-    MEMBER(member_chars, duet_device_info, platform_version),
-    MEMBER(member_chars, duet_device_info, name),
-    MEMBER(member_chars, duet_device_info, vendor),
-    MEMBER(member_chars, duet_device_info, driver),
-    MEMBER(member_chars, duet_device_info, cl_version),
+    MEMBERS(duet_device_info, selector, platform, platform_version, name, vendor, driver,
+            cl_version),
     MEMBER_ENUM(duet_device_info, kind, kind_name),
-    MEMBER(member_count, duet_device_info, units),
-    MEMBER(member_count, duet_device_info, clock_mhz),
-    MEMBER(member_count, duet_device_info, max_group),
-    MEMBER(member_count, duet_device_info, global_bytes),
-    MEMBER(member_count, duet_device_info, local_bytes),
-    MEMBER(member_count, duet_device_info, max_buffer_bytes),
-    MEMBER(member_bool, duet_device_info, host_memory),
-    MEMBER(member_bool, duet_device_info, fp64),
-    MEMBER(member_bool, duet_device_info, can_cut),
+    MEMBERS(duet_device_info, units, clock_mhz, max_group, global_bytes, local_bytes,
+            max_buffer_bytes, host_memory, fp64, can_cut),
     {0},
 };
 
@@ -43,15 +31,10 @@ static void push_device(lua_State *L, const duet_device_info *info)
     lua_setfield(L, -2, "quirks");
 }
 
-static void destroy_list(void *list)
-{
-    duet_device_list_destroy(list);
-}
+CLASS_DESTROY(device_list)
 
 // Its userdata is only there to be collected where an error is raised.
-static const luaL_Reg no_methods[] = {{NULL, NULL}};
-static const lua_class list_class = {
-    .name = "duet.device_list", .methods = no_methods, .destroy = destroy_list};
+static const lua_class list_class = {.name = "duet.device_list", .destroy = destroy_device_list};
 
 static int devices(lua_State *L)
 {
@@ -77,33 +60,15 @@ static int devices(lua_State *L)
 
 // ---------------------------------------------------------------- pairs
 
-static int pair_device(lua_State *L);
-static int pair_plan(lua_State *L);
-static int pair_check_cache(lua_State *L);
 static int pair_about(lua_State *L);
 
-static const luaL_Reg methods[] = {
-    {"device", pair_device}, {"plan", pair_plan}, {"check_cache", pair_check_cache}, {NULL, NULL}};
-
 // Objects that were made on the pair hold it open.
-static void destroy_pair(void *pair)
-{
-    duet_device_pair_destroy(pair);
-}
+CLASS_DESTROY(device_pair)
 
 static const lua_class pair_class = {.name = "duet.device_pair",
-                                     .methods = methods,
                                      .about = pair_about,
-                                     .destroy = destroy_pair,
+                                     .destroy = destroy_device_pair,
                                      .noun = "device pair"};
-
-static const member def_members[] = {
-    MEMBER(member_string, duet_device_pair_def, a),
-    MEMBER(member_string, duet_device_pair_def, b),
-    MEMBER(member_string, duet_device_pair_def, kernel_dir),
-    MEMBER(member_string, duet_device_pair_def, cache_dir),
-    {0},
-};
 
 duet_device_pair *device_pair_check(lua_State *L)
 {
@@ -120,7 +85,8 @@ static int pair_open(lua_State *L)
     if (lua_type(L, 1) == LUA_TSTRING)
         def.a = lua_tostring(L, 1);
     else
-        member_read_table(L, 1, "a device pair", def_members, &def);
+        member_read_table(L, 1, "a device pair",
+                          MEMBERS_OF(duet_device_pair_def, a, b, kernel_dir, cache_dir), &def);
     if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
         policy_check_trusted(L, "choosing kernel_dir or cache_dir");
     lua_handle *pair = class_push(L, &pair_class, sizeof *pair);
@@ -129,7 +95,7 @@ static int pair_open(lua_State *L)
 }
 
 // "A" or "B"
-static int pair_device(lua_State *L)
+static int device_pair_device(lua_State *L)
 {
     static const char *const names[] = {"A", "B", NULL};
     const duet_device_pair *pair = device_pair_check(L);
@@ -150,24 +116,21 @@ static int pair_about(lua_State *L)
     return 1;
 }
 
-static int pair_plan(lua_State *L)
+static int device_pair_plan(lua_State *L)
 {
     duet_plan plan = duet_default_plan(device_pair_check(L));
     return plan_push(L, &plan);
 }
 
-static int pair_check_cache(lua_State *L)
+static int device_pair_check_cache(lua_State *L)
 {
     duet_error err = {0};
     bool ok = duet_device_pair_check_cache(device_pair_check(L), &err);
     return class_push_done(L, ok, &err);
 }
 
-void device_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {
-        {"devices", devices}, {"device_pair", pair_open}, {NULL, NULL}};
-    class_open(L, &list_class);
-    class_open(L, &pair_class);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun device_noun = {{&list_class, &pair_class},
+                              (const lua_method[]){{"duet.devices", devices, 0},
+                                                   {"duet.device_pair", pair_open, 0},
+                                                   METHODS(device_pair, device, plan, check_cache),
+                                                   {0}}};

@@ -4,6 +4,9 @@
 #ifndef LUA_MEMBER_H
 #define LUA_MEMBER_H
 
+#include "lua/each.h"
+#include "runtime/duet.h"
+
 #include <lua.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -27,16 +30,32 @@ struct member {
     const char *(*name_of)(int value); // names of an enum: NULL past the last
 };
 
-// A row for a member of a struct; the table of rows ends with {0}.
+// Rows of a table of members, which ends with {0}: several whose types say how they are read, of a
+// struct or of one that lies in it at `path`, which ends with a point; and one of another type.
+#define MEMBERS(struct_, ...) EACH(MEMBER_OF, struct_, , __VA_ARGS__)
+#define MEMBERS_IN(struct_, path, ...) EACH(MEMBER_OF, struct_, path, __VA_ARGS__)
+#define MEMBER_OF(struct_, path, member) \
+    MEMBER_AT(#member, MEMBER_TYPE(((struct_ *)0)->path member), struct_, path member, NULL)
 #define MEMBER(type, struct_, member) MEMBER_AT(#member, type, struct_, member, NULL)
 #define MEMBER_ENUM(struct_, member, name_of) \
     MEMBER_AT(#member, member_enum, struct_, member, name_of)
-// Under another name, or of a struct in it.
 #define MEMBER_AT(name_, type_, struct_, path, name_of_)                      \
     {                                                                         \
         .name = (name_), .type = &(type_), .offset = offsetof(struct_, path), \
         .size = sizeof((struct_ *)0)->path, .name_of = (name_of_)             \
     }
+
+// The same without a name: a whole table, for a call.
+#define MEMBERS_OF(struct_, ...) ((const member[]){MEMBERS(struct_, __VA_ARGS__), {0}})
+
+// clang-format off
+#define MEMBER_TYPE(value) *_Generic((value),                                                      \
+    const char *: &member_string, char *: &member_chars, bool: &member_bool,                       \
+    uint32_t: &member_count, uint64_t: &member_count, int32_t: &member_int, int64_t: &member_int,  \
+    float: &member_float, float *: &member_float, double: &member_double, double *: &member_double,\
+    uint32_t *: &member_counts, uint64_t *: &member_sizes,                                         \
+    duet_plan: &member_plan, duet_accuracy: &member_accuracy)
+// clang-format on
 
 extern const member_type member_string; // const char *; the table's, so only read by a call
 extern const member_type member_chars;  // char[size]
@@ -49,6 +68,8 @@ extern const member_type member_counts; // several uint32_t
 extern const member_type member_sizes;  // several uint64_t
 extern const member_type member_share;  // uint32_t out of DUET_SHARE_ONE, as 0 to 1
 extern const member_type member_enum;   // an enum, by its name
+extern const member_type member_plan;   // a duet_plan as a table
+extern const member_type member_accuracy;
 
 // read and push of a type that is a struct: a table. Members that it leaves out stay as they are.
 void member_read_struct(lua_State *L, const member *m, void *at);

@@ -46,8 +46,12 @@ int luaopen_duet(lua_State *L)
     lua_pushstring(L, duet_version());
     lua_setfield(L, -2, "version");
     array_open(L);
-#define OPEN_NOUN(noun) noun##_open_lua(L);
+#define OPEN_NOUN(noun) class_open_noun(L, &noun##_noun);
     LUA_NOUNS(OPEN_NOUN)
+    lua_pushinteger(L, (lua_Integer)DUET_NO_BODY);
+    lua_setfield(L, -2, "NO_BODY");
+    lua_pushinteger(L, DUET_NO_OBJECT);
+    lua_setfield(L, -2, "NO_OBJECT");
     preload_carried(L);
     return 1;
 }

@@ -58,7 +58,7 @@ static void keep_owners(lua_State *L, int def)
 
 // device_pair:motion(scene, def), or (poses, bodies, def); without bodies all
 // are at rest.
-static int motion_create(lua_State *L)
+static int device_pair_motion(lua_State *L)
 {
     duet_error err = {0};
     lua_settop(L, 4);
@@ -146,15 +146,6 @@ static int motion_length(lua_State *L)
     return 1;
 }
 
-static const member effect_members[] = {
-    MEMBER(member_string, duet_effect_info, name),
-    MEMBER(member_bool, duet_effect_info, active),
-    MEMBER(member_string, duet_effect_info, called_by),
-    MEMBER(member_string, duet_effect_info, kernels),
-    MEMBER(member_count, duet_effect_info, bytes),
-    {0},
-};
-
 // One table an effect.
 static int motion_explain(lua_State *L)
 {
@@ -162,25 +153,18 @@ static int motion_explain(lua_State *L)
     const duet_motion *motion = motion_check_lua(L);
     lua_newtable(L);
     for (uint32_t i = 0; duet_motion_explain(motion, i, &info); ++i) {
-        member_push_table(L, effect_members, &info);
+        member_push_table(L, MEMBERS_OF(duet_effect_info, name, active, called_by, kernels, bytes),
+                          &info);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
 }
 
-static const member substep_members[] = {
-    MEMBER(member_count, duet_substep_info, substeps),
-    MEMBER(member_bool, duet_substep_info, chosen),
-    MEMBER(member_count, duet_substep_info, layers),
-    MEMBER(member_double, duet_substep_info, edge),
-    {0},
-};
-
 static int motion_explain_substeps(lua_State *L)
 {
     duet_substep_info info = {0};
     duet_motion_explain_substeps(motion_check_lua(L), &info);
-    member_push_table(L, substep_members, &info);
+    member_push_table(L, MEMBERS_OF(duet_substep_info, substeps, chosen, layers, edge), &info);
     return 1;
 }
 
@@ -222,19 +206,6 @@ static int motion_save_recording(lua_State *L)
 
 // ---------------------------------------------------------------- the class
 
-static const luaL_Reg methods[] = {{"effects", motion_effects},
-                                   {"plan", motion_plan},
-                                   {"set_plan", motion_set_plan},
-                                   {"save", motion_save},
-                                   {"load", motion_load},
-                                   {"explain", motion_explain},
-                                   {"explain_substeps", motion_explain_substeps},
-                                   {"close", motion_close},
-                                   {"record", motion_record},
-                                   {"save_recording", motion_save_recording},
-                                   {"step", motion_step},
-                                   {NULL, NULL}};
-static const luaL_Reg metas[] = {{"__len", motion_length}, {NULL, NULL}};
 static int motion_about(lua_State *L)
 {
     const duet_motion *motion = motion_check_lua(L);
@@ -255,16 +226,13 @@ static int motion_about(lua_State *L)
 
 static const lua_class motion_class = {
     .name = "duet.motion",
-    .methods = methods,
-    .metas = metas,
     .about = motion_about,
 };
 
-void motion_open_lua(lua_State *L)
-{
-    static const luaL_Reg of_pair[] = {{"motion", motion_create}, {NULL, NULL}};
-    class_open(L, &motion_class);
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-    lua_pushinteger(L, (lua_Integer)DUET_NO_BODY);
-    lua_setfield(L, -2, "NO_BODY");
-}
+const lua_noun motion_noun = {
+    {&motion_class},
+    (const lua_method[]){METHODS(device_pair, motion),
+                         METHODS(motion, effects, plan, set_plan, save, load, explain,
+                                 explain_substeps, close, record, save_recording, step),
+                         {"duet.motion:__len", motion_length, 0},
+                         {0}}};

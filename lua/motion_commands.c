@@ -149,14 +149,14 @@ static int give(lua_State *L)
 
 // ---------------------------------------------------------------- what is asked
 
-static int get_def(lua_State *L)
+static int motion_def(lua_State *L)
 {
     member_push_table(L, def_members, duet_motion_get_def(motion_check_lua(L)));
     return 1;
 }
 
 // motion:ids() or, of some places, motion:ids(first, n)
-static int get_ids(lua_State *L)
+static int motion_ids(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
@@ -171,14 +171,14 @@ static int get_ids(lua_State *L)
                : class_push_failure(L, &err);
 }
 
-static int has_body(lua_State *L)
+static int motion_has_body(lua_State *L)
 {
     lua_pushboolean(L,
                     duet_motion_has_body(motion_check_lua(L), (uint64_t)luaL_checkinteger(L, 2)));
     return 1;
 }
 
-static int get_user_data(lua_State *L)
+static int motion_user_data(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
@@ -198,7 +198,7 @@ static duet_state_part check_part(lua_State *L, int index)
 }
 
 // motion:map_states(part, access, first, n) -> rows that hold until unmap_states
-static int map_states(lua_State *L)
+static int motion_map_states(lua_State *L)
 {
     static const char *const accesses[] = {"read", "write", NULL};
     duet_error err = {0};
@@ -219,7 +219,7 @@ static int map_states(lua_State *L)
     return 1;
 }
 
-static int unmap_states(lua_State *L)
+static int motion_unmap_states(lua_State *L)
 {
     duet_error err = {0};
     uint64_t *maps = motion_maps_lua(L);
@@ -229,17 +229,12 @@ static int unmap_states(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
-static const luaL_Reg methods[] = {
-    {"ids", get_ids}, {"has_body", has_body},     {"user_data", get_user_data},
-    {"def", get_def}, {"map_states", map_states}, {"unmap_states", unmap_states},
-    {NULL, NULL}};
+const lua_noun motion_commands_noun = {
+    {NULL},
+    (const lua_method[]){METHODS(motion, ids, has_body, user_data, def, map_states, unmap_states),
 
-static const lua_shared commands[] = {
-#define COMMAND(number, name, form, bodies, effect, type, rows) {#name, give, number},
+#define COMMAND(number, name, form, bodies, effect, type, rows) \
+    {"duet.motion:" #name, give, number},
 #include "runtime/commands/commands.inl"
-    {NULL, NULL, 0}};
 
-void motion_commands_open_lua(lua_State *L)
-{
-    class_add_methods(L, "duet.motion", methods, commands);
-}
+                         {0}}};

@@ -162,46 +162,31 @@ static const member_type member_material_pairs = {.read = read_material_pairs};
 
 const member motion_def_members[] = {
     {"script", &member_script, 0, 1, NULL},
-    MEMBER(member_plan, duet_motion_def, plan),
-    MEMBER(member_count, duet_motion_def, dims),
+    MEMBERS(duet_motion_def, plan, dims),
     MEMBER(member_effects, duet_motion_def, wants),
-    MEMBER(member_bool, duet_motion_def, doubles),
-    MEMBER(member_double, duet_motion_def, origin),
-    MEMBER(member_float, duet_motion_def, origin_edge),
-    MEMBER(member_double, duet_motion_def, gravity),
-    MEMBER(member_double, duet_motion_def, attraction),
-    MEMBER(member_double, duet_motion_def, centre),
-    MEMBER(member_double, duet_motion_def, drag),
+    MEMBERS(duet_motion_def, doubles, origin, origin_edge, gravity, attraction, centre, drag),
     MEMBER_ENUM(duet_motion_def, boundary, boundary_name),
-    MEMBER(member_double, duet_motion_def, lower),
-    MEMBER(member_double, duet_motion_def, upper),
-    MEMBER(member_double, duet_motion_def, dt),
-    MEMBER(member_count, duet_motion_def, substeps),
+    MEMBERS(duet_motion_def, lower, upper, dt, substeps),
     MEMBER_ENUM(duet_motion_def, integrator, scene_integrator_name),
-    MEMBER(member_double, duet_motion_def, skin),
-    MEMBER(member_double, duet_motion_def, slop),
-    MEMBER(member_double, duet_motion_def, max_push_speed),
-    MEMBER(member_double, duet_motion_def, restitution_threshold),
-    MEMBER(member_double, duet_motion_def, sleep_speed),
-    MEMBER(member_double, duet_motion_def, sleep_after),
-    MEMBER(member_double, duet_motion_def, hit_speed),
-    MEMBER(member_count, duet_motion_def, event_mask),
+    MEMBERS(duet_motion_def, skin, slop, max_push_speed, restitution_threshold, sleep_speed,
+            sleep_after, hit_speed, event_mask),
     {"materials", &member_materials, 0, sizeof(duet_motion_def), NULL},
     {"material_pairs", &member_material_pairs, 0, sizeof(duet_motion_def), NULL},
     MEMBER(member_heights, duet_motion_def, heights),
     MEMBER(member_mesh, duet_motion_def, mesh),
-    MEMBER(member_bool, duet_motion_def, stage_times),
+    MEMBERS(duet_motion_def, stage_times),
     {0},
 };
 
 // duet.game_motion_def(dims) -> a def that a script may change
 static int game_motion_def(lua_State *L)
 {
-    static const member said[] = {MEMBER(member_count, duet_motion_def, dims),
-                                  MEMBER(member_effects, duet_motion_def, wants),
-                                  MEMBER(member_double, duet_motion_def, gravity),
-                                  MEMBER(member_double, duet_motion_def, slop),
-                                  {0}};
+    static const member said[] = {
+        MEMBERS(duet_motion_def, dims),
+        MEMBER(member_effects, duet_motion_def, wants),
+        MEMBERS(duet_motion_def, gravity, slop),
+        {0},
+    };
     lua_Integer dims = luaL_optinteger(L, 1, 3);
     luaL_argcheck(L, dims == 2 || dims == 3, 1, "2 or 3 dims");
     duet_motion_def def = duet_game_motion_def(NULL, (uint32_t)dims);
@@ -209,9 +194,7 @@ static int game_motion_def(lua_State *L)
     return 1;
 }
 
-void motion_def_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {
-        {"effects", list_effects}, {"game_motion_def", game_motion_def}, {NULL, NULL}};
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun motion_def_noun = {{NULL},
+                                  (const lua_method[]){{"duet.effects", list_effects, 0},
+                                                       {"duet.game_motion_def", game_motion_def, 0},
+                                                       {0}}};

@@ -65,19 +65,14 @@ static int motion_hash(lua_State *L)
     return 1;
 }
 
-static const member energy_members[] = {
-    MEMBER(member_double, duet_energy, kinetic),   MEMBER(member_double, duet_energy, turning),
-    MEMBER(member_double, duet_energy, potential), MEMBER(member_double, duet_energy, momentum),
-    MEMBER(member_double, duet_energy, angular),   {0},
-};
-
 static int motion_energy(lua_State *L)
 {
     duet_error err = {0};
     duet_energy energy = {0};
     if (!duet_motion_get_energy(motion_check_lua(L), &energy, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, energy_members, &energy);
+    member_push_table(L, MEMBERS_OF(duet_energy, kinetic, turning, potential, momentum, angular),
+                      &energy);
     return 1;
 }
 
@@ -107,17 +102,11 @@ static int motion_contacts(lua_State *L)
     return 1;
 }
 
-void motion_state_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"states_between", states_between}, {NULL, NULL}};
-    static const luaL_Reg methods[] = {
-        {"read", motion_read}, {"read_of", motion_read_of}, {"moved", motion_moved},
-        {"hash", motion_hash}, {"energy", motion_energy},   {"contacts", motion_contacts},
-        {NULL, NULL}};
-    static const lua_shared shared[] = {{"poses", motion_rows, ARRAY_POSES},
-                                        {"rounded_boxes", motion_rows, ARRAY_ROUNDED_BOXES},
-                                        {"asleep", motion_rows, ARRAY_ANSWERS},
-                                        {NULL, NULL, 0}};
-    luaL_setfuncs(L, functions, 0);
-    class_add_methods(L, "duet.motion", methods, shared);
-}
+const lua_noun motion_state_noun = {
+    {NULL},
+    (const lua_method[]){{"duet.states_between", states_between, 0},
+                         METHODS(motion, read, read_of, moved, hash, energy, contacts),
+                         {"duet.motion:poses", motion_rows, ARRAY_POSES},
+                         {"duet.motion:rounded_boxes", motion_rows, ARRAY_ROUNDED_BOXES},
+                         {"duet.motion:asleep", motion_rows, ARRAY_ANSWERS},
+                         {0}}};

@@ -9,17 +9,8 @@ typedef struct step_box {
 } step_box;
 
 static const member step_members[] = {
-    MEMBER(member_count, duet_motion_result, step),
-    MEMBER(member_double, duet_motion_result, time),
-    MEMBER(member_count, duet_motion_result, pairs),
-    MEMBER(member_count, duet_motion_result, contacts),
-    MEMBER(member_count, duet_motion_result, colours),
-    MEMBER(member_bool, duet_motion_result, rebuilt),
-    MEMBER(member_count, duet_motion_result, n_events),
-    MEMBER(member_count, duet_motion_result, n_stays),
-    MEMBER(member_count, duet_motion_result, n_hits),
-    MEMBER(member_double, duet_motion_result, total_ms),
-    MEMBER(member_bool, duet_motion_result, timed),
+    MEMBERS(duet_motion_result, step, time, pairs, contacts, colours, rebuilt, n_events, n_stays,
+            n_hits, total_ms, timed),
     {0},
 };
 
@@ -37,7 +28,7 @@ static const void *step_struct(lua_State *L)
     return &box->result;
 }
 
-static int step_stages(lua_State *L)
+static int motion_result_stages(lua_State *L)
 {
     const duet_motion_result *result = step_struct(L);
     stages_push(L, result->stages, result->n_stages);
@@ -104,24 +95,15 @@ static int step_rows(lua_State *L)
     return 1;
 }
 
-static int step_close(lua_State *L)
+static int motion_result_close(lua_State *L)
 {
     step_box *box = luaL_checkudata(L, 1, "duet.motion_result");
     box->motion = NULL;
     return 0;
 }
 
-static const luaL_Reg step_methods[] = {
-    {"stages", step_stages}, {"close", step_close}, {NULL, NULL}};
-static const lua_shared step_shared[] = {{"events", step_rows, EVENTS},
-                                         {"stays", step_rows, STAYS},
-                                         {"hits", step_rows, HITS},
-                                         {NULL, NULL, 0}};
-static const lua_class step_class = {.name = "duet.motion_result",
-                                     .methods = step_methods,
-                                     .shared = step_shared,
-                                     .members = step_members,
-                                     .struct_of = step_struct};
+static const lua_class step_class = {
+    .name = "duet.motion_result", .members = step_members, .struct_of = step_struct};
 
 int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by)
 {
@@ -193,12 +175,11 @@ static int motion_advance_end(lua_State *L)
     return motion_advance_by(L, 1, end_advance, NULL);
 }
 
-void motion_step_open_lua(lua_State *L)
-{
-    static const luaL_Reg methods[] = {{"advance", motion_advance},
-                                       {"advance_begin", motion_advance_begin},
-                                       {"advance_end", motion_advance_end},
-                                       {NULL, NULL}};
-    class_open(L, &step_class);
-    class_add_methods(L, "duet.motion", methods, NULL);
-}
+const lua_noun motion_step_noun = {
+    {&step_class},
+    (const lua_method[]){METHODS(motion, advance, advance_begin, advance_end),
+                         METHODS(motion_result, stages, close),
+                         {"duet.motion_result:events", step_rows, EVENTS},
+                         {"duet.motion_result:stays", step_rows, STAYS},
+                         {"duet.motion_result:hits", step_rows, HITS},
+                         {0}}};

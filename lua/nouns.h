@@ -19,17 +19,15 @@
     X(tree) X(tree_query) X(profiles) X(contact_query) X(pair_delta) X(replay) X(cluster)
 // clang-format on
 
-#define DECLARE_NOUN(noun) void noun##_open_lua(lua_State *L);
+#define DECLARE_NOUN(noun) extern const lua_noun noun##_noun;
 LUA_NOUNS(DECLARE_NOUN)
 
-extern const member_type member_plan;               // a duet_plan as a table
 void plan_read(lua_State *L, duet_plan *plan);      // the argument at 2
 int plan_push(lua_State *L, const duet_plan *plan); // nil for NULL; returns 1
 const char *shape_name(int shape);
 const char *level_name(int level);
 const char *query_wants_name(int wants);
 duet_level level_check(lua_State *L, int index);
-extern const member_type member_accuracy; // a duet_accuracy as a table
 
 duet_device_pair *device_pair_check(lua_State *L); // the one at 1
 

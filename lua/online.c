@@ -13,7 +13,9 @@ typedef struct online_box {
     world_box *world; // the uservalue's, if that is a world
 } online_box;
 
-static const lua_class online_class;
+static const lua_class online_class = {
+    .name = "duet.online",
+};
 
 // A script's form of the def; the rest of the C def follows from it.
 typedef struct online_def {
@@ -25,13 +27,17 @@ typedef struct online_def {
 #define ONLINE_OPTION(type, member) MEMBER_AT(#member, type, online_def, def.member, NULL)
 
 static const member online_members[] = {
-    ONLINE_OPTION(member_double, most_extra), ONLINE_OPTION(member_bool, keep),
-    ONLINE_OPTION(member_string, store),      MEMBER(member_names, online_def, variants),
-    MEMBER(member_names, online_def, modes),  {0},
+    MEMBERS_IN(online_def, def., most_extra, keep, store),
+    MEMBER(member_names, online_def, variants),
+    MEMBER(member_names, online_def, modes),
+    {0},
 };
 
 // A motion and a task have nothing but their share to move.
-static const member share_members[] = {ONLINE_OPTION(member_double, most_extra), {0}};
+static const member share_members[] = {
+    MEMBERS_IN(online_def, def., most_extra),
+    {0},
+};
 
 static online_box *check_online(lua_State *L)
 {
@@ -165,18 +171,10 @@ static int online_close(lua_State *L)
     return class_push_done(L, ok, &err);
 }
 
-static const luaL_Reg online_methods[] = {{"step", online_step},   {"advance", online_advance},
-                                          {"run", online_run},     {"tunings", online_tunings},
-                                          {"close", online_close}, {NULL, NULL}};
-static const lua_class online_class = {.name = "duet.online", .methods = online_methods};
-
-void online_open_lua(lua_State *L)
-{
-    static const luaL_Reg of_world[] = {{"online", world_online}, {NULL, NULL}};
-    static const luaL_Reg of_motion[] = {{"online", motion_online}, {NULL, NULL}};
-    static const luaL_Reg of_task[] = {{"online", task_online}, {NULL, NULL}};
-    class_open(L, &online_class);
-    class_add_methods(L, "duet.world", of_world, NULL);
-    class_add_methods(L, "duet.motion", of_motion, NULL);
-    class_add_methods(L, "duet.task", of_task, NULL);
-}
+const lua_noun online_noun = {
+    {&online_class},
+    (const lua_method[]){METHODS(world, online),
+                         METHODS(motion, online),
+                         METHODS(task, online),
+                         METHODS(online, step, advance, run, tunings, close),
+                         {0}}};

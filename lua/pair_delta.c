@@ -2,7 +2,9 @@
 // duet.pair_delta: which pairs of a still world began and ended between two steps.
 #include "lua/nouns.h"
 
-static const lua_class delta_class;
+CLASS_DESTROY(pair_delta)
+static const lua_class delta_class = {
+    .name = "duet.pair_delta", .destroy = destroy_pair_delta, .noun = "delta"};
 
 // duet.pair_delta()
 static int create(lua_State *L)
@@ -25,7 +27,7 @@ static void push_events(lua_State *L, const duet_pair_delta_result *result, bool
 }
 
 // delta:update(pairs) -> begun, ended, stays
-static int delta_update(lua_State *L)
+static int pair_delta_update(lua_State *L)
 {
     duet_error err = {0};
     duet_pair_delta_result result = {0};
@@ -40,18 +42,6 @@ static int delta_update(lua_State *L)
     return 3;
 }
 
-static void destroy(void *delta)
-{
-    duet_pair_delta_destroy(delta);
-}
-
-static const luaL_Reg methods[] = {{"update", delta_update}, {NULL, NULL}};
-static const lua_class delta_class = {
-    .name = "duet.pair_delta", .methods = methods, .destroy = destroy, .noun = "delta"};
-
-void pair_delta_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"pair_delta", create}, {NULL, NULL}};
-    class_open(L, &delta_class);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun pair_delta_noun = {
+    {&delta_class},
+    (const lua_method[]){{"duet.pair_delta", create, 0}, METHODS(pair_delta, update), {0}}};

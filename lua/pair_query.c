@@ -2,25 +2,19 @@
 // device_pair:query: the narrow phase alone, for pairs that a script brings.
 #include "lua/nouns.h"
 
-static const lua_class query_class;
+CLASS_DESTROY(pair_query)
+static const lua_class query_class = {
+    .name = "duet.pair_query", .destroy = destroy_pair_query, .noun = "query"};
 
 static const member def_members[] = {
     MEMBER(member_share, duet_pair_query_def, share),
     MEMBER_ENUM(duet_pair_query_def, level, level_name),
-    MEMBER(member_count, duet_pair_query_def, dims),
-    {0},
-};
-
-static const member result_members[] = {
-    MEMBER(member_count, duet_pair_query_result, colliding),
-    MEMBER(member_count, duet_pair_query_result, undecided),
-    MEMBER(member_double, duet_pair_query_result, total_ms),
-    MEMBER(member_double, duet_pair_query_result, device_ms),
+    MEMBERS(duet_pair_query_def, dims),
     {0},
 };
 
 // device_pair:query(def); the share is that of the pair's default plan.
-static int query_create(lua_State *L)
+static int device_pair_query(lua_State *L)
 {
     duet_error err = {0};
     duet_device_pair *pair = device_pair_check(L);
@@ -34,7 +28,7 @@ static int query_create(lua_State *L)
 }
 
 // query:run(poses, with_separations) -> answers, result, separations
-static int query_run(lua_State *L)
+static int pair_query_run(lua_State *L)
 {
     duet_error err = {0};
     duet_pair_query_result result = {0};
@@ -48,7 +42,8 @@ static int query_run(lua_State *L)
     if (!duet_pair_query_run(query, poses->rows, n, answers->rows,
                              with_separations ? separations->rows : NULL, &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, result_members, &result);
+    member_push_table(
+        L, MEMBERS_OF(duet_pair_query_result, colliding, undecided, total_ms, device_ms), &result);
     if (with_separations)
         lua_insert(L, -2);
     else
@@ -56,18 +51,6 @@ static int query_run(lua_State *L)
     return with_separations ? 3 : 2;
 }
 
-static void destroy(void *query)
-{
-    duet_pair_query_destroy(query);
-}
-
-static const luaL_Reg methods[] = {{"run", query_run}, {NULL, NULL}};
-static const lua_class query_class = {
-    .name = "duet.pair_query", .methods = methods, .destroy = destroy, .noun = "query"};
-
-void pair_query_open_lua(lua_State *L)
-{
-    static const luaL_Reg of_pair[] = {{"query", query_create}, {NULL, NULL}};
-    class_open(L, &query_class);
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-}
+const lua_noun pair_query_noun = {
+    {&query_class},
+    (const lua_method[]){METHODS(device_pair, query), METHODS(pair_query, run), {0}}};

@@ -11,8 +11,7 @@ static const char *mode_name(int mode)
 static const member plan_members[] = {
     MEMBER(member_share, duet_plan, share),
     MEMBER_ENUM(duet_plan, mode, mode_name),
-    MEMBER(member_chars, duet_plan, variant_a),
-    MEMBER(member_chars, duet_plan, variant_b),
+    MEMBERS(duet_plan, variant_a, variant_b),
     {0},
 };
 
@@ -53,17 +52,8 @@ const char *level_name(int level)
     return info ? info->name : NULL;
 }
 
-static const member level_members[] = {
-    MEMBER(member_string, duet_level_info, name),
-    MEMBER(member_string, duet_level_info, about),
-    MEMBER(member_double, duet_level_info, missed),
-    MEMBER(member_double, duet_level_info, added),
-    {0},
-};
-
 static const member accuracy_members[] = {
-    MEMBER(member_double, duet_accuracy, missed),
-    MEMBER(member_double, duet_accuracy, false_rate),
+    MEMBERS(duet_accuracy, missed, false_rate),
     {0},
 };
 
@@ -92,7 +82,8 @@ static int list_levels(lua_State *L)
 {
     lua_newtable(L);
     for (int level = 0; level_name(level); ++level) {
-        member_push_table(L, level_members, duet_level_get_info((duet_level)level));
+        member_push_table(L, MEMBERS_OF(duet_level_info, name, about, missed, added),
+                          duet_level_get_info((duet_level)level));
         lua_rawseti(L, -2, level + 1);
     }
     return 1;
@@ -104,9 +95,8 @@ static int level_covers(lua_State *L)
     return 1;
 }
 
-void plan_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {
-        {"modes", modes}, {"levels", list_levels}, {"level_covers", level_covers}, {NULL, NULL}};
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun plan_noun = {{NULL},
+                            (const lua_method[]){{"duet.modes", modes, 0},
+                                                 {"duet.levels", list_levels, 0},
+                                                 {"duet.level_covers", level_covers, 0},
+                                                 {0}}};

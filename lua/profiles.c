@@ -6,9 +6,7 @@
 #include "profiles/duet_profiles.h"
 
 static const member device_parts[] = {
-    MEMBER(member_chars, duet_stored_device, name),
-    MEMBER(member_chars, duet_stored_device, part),
-    MEMBER(member_chars, duet_stored_device, driver),
+    MEMBERS(duet_stored_device, name, part, driver),
     {0},
 };
 
@@ -39,16 +37,10 @@ static const char *check_store(lua_State *L, int index)
 }
 
 // These userdata are only there to be collected where an error is raised.
-static void destroy_list(void *list)
-{
-    duet_profile_list_destroy(list);
-}
+CLASS_DESTROY(profile_list)
 
-static const luaL_Reg no_methods[] = {{NULL, NULL}};
-static const lua_class list_class = {
-    .name = "duet.profile_list", .methods = no_methods, .destroy = destroy_list};
-static const lua_class memory_class = {
-    .name = "duet.memory", .methods = no_methods, .destroy = duet_free};
+static const lua_class list_class = {.name = "duet.profile_list", .destroy = destroy_profile_list};
+static const lua_class memory_class = {.name = "duet.memory", .destroy = duet_free};
 
 // duet.profiles(path, replaced_too)
 static int profiles(lua_State *L)
@@ -140,12 +132,12 @@ static const char *grade_name(int grade)
 }
 
 static const member known_members[] = {
-    MEMBER_ENUM(duet_profile, grade, grade_name),   MEMBER(member_plan, duet_profile, plan),
-    MEMBER_ENUM(duet_profile, level, level_name),   MEMBER(member_accuracy, duet_profile, accuracy),
-    MEMBER(member_count, duet_profile, true_pairs), MEMBER(member_double, duet_profile, step_ms),
-    MEMBER(member_double, duet_profile, gain),      MEMBER(member_double, duet_profile, gain_low),
-    MEMBER(member_double, duet_profile, gain_high), MEMBER(member_chars, duet_profile, verdict),
-    MEMBER(member_int, duet_profile, measured_s),   {0},
+    MEMBER_ENUM(duet_profile, grade, grade_name),
+    MEMBERS(duet_profile, plan),
+    MEMBER_ENUM(duet_profile, level, level_name),
+    MEMBERS(duet_profile, accuracy, true_pairs, step_ms, gain, gain_low, gain_high, verdict,
+            measured_s),
+    {0},
 };
 
 void profile_push_known(lua_State *L, const duet_profile *profile)
@@ -205,26 +197,15 @@ static int world_explain_profile(lua_State *L)
     return 1;
 }
 
-void profiles_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"profiles", profiles},
-                                         {"profile_trials", profile_trials},
-                                         {"use_profile", use_profile},
-                                         {"forget_profile", forget_profile},
-                                         {"export_profiles", export_profiles},
-                                         {"import_profiles", import_profiles},
-                                         {NULL, NULL}};
-    class_open(L, &list_class);
-    static const luaL_Reg of_world[] = {{"load_profile", world_load_profile},
-                                        {"explain_profile", world_explain_profile},
-                                        {NULL, NULL}};
-    static const luaL_Reg of_tree[] = {{"load_profile", tree_load_profile}, {NULL, NULL}};
-    class_open(L, &memory_class);
-    class_add_methods(L, "duet.world", of_world, NULL);
-    static const luaL_Reg of_motion[] = {{"load_profile", motion_load_profile}, {NULL, NULL}};
-    static const luaL_Reg of_task[] = {{"load_profile", task_load_profile}, {NULL, NULL}};
-    class_add_methods(L, "duet.task", of_task, NULL);
-    class_add_methods(L, "duet.tree", of_tree, NULL);
-    class_add_methods(L, "duet.motion", of_motion, NULL);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun profiles_noun = {{&list_class, &memory_class},
+                                (const lua_method[]){{"duet.profiles", profiles, 0},
+                                                     {"duet.profile_trials", profile_trials, 0},
+                                                     {"duet.use_profile", use_profile, 0},
+                                                     {"duet.forget_profile", forget_profile, 0},
+                                                     {"duet.export_profiles", export_profiles, 0},
+                                                     {"duet.import_profiles", import_profiles, 0},
+                                                     METHODS(world, load_profile, explain_profile),
+                                                     METHODS(task, load_profile),
+                                                     METHODS(tree, load_profile),
+                                                     METHODS(motion, load_profile),
+                                                     {0}}};

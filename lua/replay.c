@@ -3,7 +3,9 @@
 #include "lua/nouns.h"
 #include "lua/policy.h"
 
-static const lua_class replay_class;
+CLASS_DESTROY(replay)
+static const lua_class replay_class = {
+    .name = "duet.replay", .destroy = destroy_replay, .noun = "replay"};
 
 // duet.replay(path)
 static int create(lua_State *L)
@@ -23,38 +25,19 @@ static bool advance_by_replay(void *by, duet_motion *motion, duet_motion_result 
 }
 
 // replay:advance(motion) -> the step's result
-static int advance(lua_State *L)
+static int replay_advance(lua_State *L)
 {
     return motion_advance_by(L, 2, advance_by_replay, class_object(L, 1, &replay_class));
 }
 
-static const member info_members[] = {
-    MEMBER(member_count, duet_replay_info, steps),
-    MEMBER(member_count, duet_replay_info, commands),
-    MEMBER(member_count, duet_replay_info, steps_done),
-    {0},
-};
-
 // replay:info() -> { steps, commands, steps_done }
-static int info(lua_State *L)
+static int replay_info(lua_State *L)
 {
     const duet_replay_info i = duet_replay_get_info(class_object(L, 1, &replay_class));
-    member_push_table(L, info_members, &i);
+    member_push_table(L, MEMBERS_OF(duet_replay_info, steps, commands, steps_done), &i);
     return 1;
 }
 
-static void destroy(void *replay)
-{
-    duet_replay_destroy(replay);
-}
-
-static const luaL_Reg methods[] = {{"advance", advance}, {"info", info}, {NULL, NULL}};
-static const lua_class replay_class = {
-    .name = "duet.replay", .methods = methods, .destroy = destroy, .noun = "replay"};
-
-void replay_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"replay", create}, {NULL, NULL}};
-    class_open(L, &replay_class);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun replay_noun = {
+    {&replay_class},
+    (const lua_method[]){{"duet.replay", create, 0}, METHODS(replay, advance, info), {0}}};

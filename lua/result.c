@@ -12,22 +12,8 @@ typedef struct result_box {
 static const lua_class result_class;
 
 static const member result_members[] = {
-    MEMBER(member_count, duet_result, objects),
-    MEMBER(member_count, duet_result, bad),
-    MEMBER(member_count, duet_result, first_bad),
-    MEMBER(member_count, duet_result, candidates),
-    MEMBER(member_count, duet_result, undecided),
-    MEMBER(member_double, duet_result, total_ms),
-    MEMBER(member_double, duet_result, device_ms),
-    MEMBER(member_double, duet_result, kernel_ms),
-    MEMBER(member_sizes, duet_result, bytes),
-    MEMBER(member_counts, duet_result, cells),
-    MEMBER(member_float, duet_result, cell),
-    MEMBER(member_bool, duet_result, cell_widened),
-    MEMBER(member_count, duet_result, grid_levels),
-    MEMBER(member_bool, duet_result, hashed),
-    MEMBER(member_count, duet_result, runs),
-    MEMBER(member_bool, duet_result, timed),
+    MEMBERS(duet_result, objects, bad, first_bad, candidates, undecided, total_ms, device_ms,
+            kernel_ms, bytes, cells, cell, cell_widened, grid_levels, hashed, runs, timed),
     {0},
 };
 
@@ -38,12 +24,9 @@ static const char *device_letter(int value)
 }
 
 static const member stage_members[] = {
-    MEMBER(member_string, duet_stage, name),
+    MEMBERS(duet_stage, name),
     MEMBER_ENUM(duet_stage, device, device_letter),
-    MEMBER(member_double, duet_stage, ms),
-    MEMBER(member_bool, duet_stage, transfer),
-    MEMBER(member_double, duet_stage, begin_ms),
-    MEMBER(member_double, duet_stage, end_ms),
+    MEMBERS(duet_stage, ms, transfer, begin_ms, end_ms),
     {0},
 };
 
@@ -153,18 +136,11 @@ static int result_close(lua_State *L)
     return 0;
 }
 
-static const luaL_Reg methods[] = {{"pair", result_pair}, {"pairs", result_pairs},
-                                   {"copy", result_copy}, {"stages", result_stages},
-                                   {"hash", result_hash}, {"close", result_close},
-                                   {NULL, NULL}};
-static const luaL_Reg metas[] = {{"__len", result_length}, {NULL, NULL}};
-static const lua_class result_class = {.name = "duet.result",
-                                       .methods = methods,
-                                       .metas = metas,
-                                       .members = result_members,
-                                       .struct_of = struct_of};
+static const lua_class result_class = {
+    .name = "duet.result", .members = result_members, .struct_of = struct_of};
 
-void result_open_lua(lua_State *L)
-{
-    class_open(L, &result_class);
-}
+const lua_noun result_noun = {
+    {&result_class},
+    (const lua_method[]){METHODS(result, pair, pairs, copy, stages, hash, close),
+                         {"duet.result:__len", result_length, 0},
+                         {0}}};

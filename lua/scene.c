@@ -19,20 +19,11 @@ const char *shape_name(int value)
 static const lua_class scene_class;
 
 static const member info_members[] = {
-    MEMBER(member_string, duet_scene_info, name),
-    MEMBER(member_count, duet_scene_info, dims),
+    MEMBERS(duet_scene_info, name, dims),
     MEMBER_ENUM(duet_scene_info, shape, shape_name),
-    MEMBER(member_count, duet_scene_info, n),
-    MEMBER(member_bool, duet_scene_info, rotated),
-    MEMBER(member_float, duet_scene_info, cell),
-    MEMBER(member_bool, duet_scene_info, cell_fixed),
-    MEMBER(member_bool, duet_scene_info, has_world),
-    MEMBER(member_float, duet_scene_info, lower),
-    MEMBER(member_float, duet_scene_info, upper),
+    MEMBERS(duet_scene_info, n, rotated, cell, cell_fixed, has_world, lower, upper),
     MEMBER_ENUM(duet_scene_info, level, level_name),
-    MEMBER(member_bool, duet_scene_info, has_accuracy),
-    MEMBER(member_accuracy, duet_scene_info, accuracy),
-    MEMBER(member_float, duet_scene_info, origin_edge),
+    MEMBERS(duet_scene_info, has_accuracy, accuracy, origin_edge),
     {0},
 };
 
@@ -197,25 +188,17 @@ static int scene_length(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"close", scene_close}, {"bodies", scene_bodies}, {"reference", scene_reference}, {NULL, NULL}};
-static const lua_shared shared[] = {{"poses", scene_objects, ARRAY_POSES},
-                                    {"bounds", scene_objects, ARRAY_BOUNDS},
-                                    {"rounded_boxes", scene_objects, ARRAY_ROUNDED_BOXES},
-                                    {"spheres", scene_objects, ARRAY_SPHERES},
-                                    {NULL, NULL, 0}};
-static const luaL_Reg metas[] = {{"__len", scene_length}, {NULL, NULL}};
-static const lua_class scene_class = {.name = "duet.scene",
-                                      .methods = methods,
-                                      .shared = shared,
-                                      .metas = metas,
-                                      .members = info_members,
-                                      .struct_of = info_of};
+static const lua_class scene_class = {
+    .name = "duet.scene", .members = info_members, .struct_of = info_of};
 
-void scene_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {
-        {"scene", scene_make}, {"load_pairs", scene_load_pairs}, {NULL, NULL}};
-    class_open(L, &scene_class);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun scene_noun = {
+    {&scene_class},
+    (const lua_method[]){{"duet.scene", scene_make, 0},
+                         {"duet.load_pairs", scene_load_pairs, 0},
+                         METHODS(scene, close, bodies, reference),
+                         {"duet.scene:poses", scene_objects, ARRAY_POSES},
+                         {"duet.scene:bounds", scene_objects, ARRAY_BOUNDS},
+                         {"duet.scene:rounded_boxes", scene_objects, ARRAY_ROUNDED_BOXES},
+                         {"duet.scene:spheres", scene_objects, ARRAY_SPHERES},
+                         {"duet.scene:__len", scene_length, 0},
+                         {0}}};

@@ -11,7 +11,9 @@ typedef struct search_box {
     bool open;
 } search_box;
 
-static const lua_class search_class;
+static const lua_class search_class = {
+    .name = "duet.search",
+};
 
 typedef struct search_def {
     const char *strategy;
@@ -22,14 +24,11 @@ typedef struct search_def {
 #define OPTION(type, member) MEMBER_AT(#member, type, search_def, options.member, NULL)
 
 static const member def_members[] = {
-    MEMBER(member_string, search_def, strategy),
-    MEMBER(member_string, search_def, strategy_lua),
-    OPTION(member_count, launches),
-    OPTION(member_count, points),
-    OPTION(member_count, rounds),
+    MEMBERS(search_def, strategy, strategy_lua),
+    MEMBERS_IN(search_def, options., launches, points, rounds),
     OPTION(member_share, quantum),
     OPTION(member_share, start),
-    OPTION(member_double, probe_cost),
+    MEMBERS_IN(search_def, options., probe_cost),
     {0},
 };
 
@@ -122,14 +121,11 @@ static int search_bracket_lua(lua_State *L)
     return 2;
 }
 
-static const luaL_Reg methods[] = {{"ask", search_ask_lua},   {"tell", search_tell_lua},
-                                   {"pick", search_pick_lua}, {"bracket", search_bracket_lua},
-                                   {"close", search_close},   {NULL, NULL}};
-static const lua_class search_class = {.name = "duet.search", .methods = methods};
-
-void search_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"search", search_open}, {NULL, NULL}};
-    class_open(L, &search_class);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun search_noun = {{&search_class},
+                              (const lua_method[]){{"duet.search", search_open, 0},
+                                                   {"duet.search:ask", search_ask_lua, 0},
+                                                   {"duet.search:tell", search_tell_lua, 0},
+                                                   {"duet.search:pick", search_pick_lua, 0},
+                                                   {"duet.search:bracket", search_bracket_lua, 0},
+                                                   METHODS(search, close),
+                                                   {0}}};

@@ -12,7 +12,7 @@ typedef struct source_box {
     gen_variant variant;
 } source_box;
 
-static int source_close(lua_State *L)
+static int generator_close(lua_State *L)
 {
     source_box *box = luaL_checkudata(L, 1, "duet.generator");
     gen_variant_free(&box->variant);
@@ -21,8 +21,9 @@ static int source_close(lua_State *L)
     return 0;
 }
 
-static const luaL_Reg methods[] = {{"close", source_close}, {NULL, NULL}};
-static const lua_class source_class = {.name = "duet.generator", .methods = methods};
+static const lua_class source_class = {
+    .name = "duet.generator",
+};
 
 static source_box *push_generator(lua_State *L, duet_error *err)
 {
@@ -33,17 +34,12 @@ static source_box *push_generator(lua_State *L, duet_error *err)
 
 // ---------------------------------------------------------------- limits
 
-static const member limits_members[] = {
-    MEMBER(member_count, gen_limits, max_group), MEMBER(member_count, gen_limits, local_bytes),
-    MEMBER(member_bool, gen_limits, fp64),       MEMBER(member_bool, gen_limits, cpu),
-    MEMBER(member_count, gen_limits, units),     {0},
-};
-
 // The least that OpenCL 1.2 asks for and GPUs have, or what the table says.
 static gen_limits read_limits(lua_State *L, int index)
 {
     gen_limits limits = {.max_group = 256, .local_bytes = 32 << 10, .fp64 = true};
-    member_read_table(L, index, "a device's limits", limits_members, &limits);
+    member_read_table(L, index, "a device's limits",
+                      MEMBERS_OF(gen_limits, max_group, local_bytes, fp64, cpu, units), &limits);
     return limits;
 }
 
@@ -68,9 +64,10 @@ static uint32_t read_settings(lua_State *L, int index, gen_setting settings[MOST
 // ---------------------------------------------------------------- functions
 
 static const member variant_members[] = {
-    MEMBER(member_chars, gen_variant, name),     MEMBER(member_chars, gen_variant, sha256),
-    MEMBER(member_string, gen_variant, text),    MEMBER(member_count, gen_variant, group),
-    MEMBER(member_count, gen_variant, per_item), {0},
+    MEMBERS(gen_variant, name, sha256),
+    MEMBER(member_string, gen_variant, text),
+    MEMBERS(gen_variant, group, per_item),
+    {0},
 };
 
 // duet.source(kernel, settings, limits)
@@ -150,10 +147,8 @@ static int list_kernels(lua_State *L)
     return 1;
 }
 
-void source_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {
-        {"source", make_source}, {"kernels", list_kernels}, {NULL, NULL}};
-    class_open(L, &source_class);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun source_noun = {{&source_class},
+                              (const lua_method[]){{"duet.source", make_source, 0},
+                                                   {"duet.kernels", list_kernels, 0},
+                                                   METHODS(generator, close),
+                                                   {0}}};

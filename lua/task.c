@@ -14,7 +14,9 @@ static void check_policy(lua_State *L)
 
 // ---------------------------------------------------------------- task files
 
-static const lua_class file_class;
+CLASS_DESTROY(task_file)
+static const lua_class file_class = {
+    .name = "duet.task_file", .destroy = destroy_task_file, .noun = "task file"};
 
 // duet.task_file(path, settings)
 static int file_load(lua_State *L)
@@ -34,18 +36,10 @@ duet_task_file *task_file_test(lua_State *L, int index)
     return luaL_testudata(L, index, file_class.name) ? class_object(L, index, &file_class) : NULL;
 }
 
-static void destroy_file(void *file)
-{
-    duet_task_file_destroy(file);
-}
-
-static const luaL_Reg no_methods[] = {{NULL, NULL}};
-static const lua_class file_class = {
-    .name = "duet.task_file", .methods = no_methods, .destroy = destroy_file, .noun = "task file"};
-
 // ---------------------------------------------------------------- tasks
 
-static const lua_class task_class;
+CLASS_DESTROY(task)
+static const lua_class task_class = {.name = "duet.task", .destroy = destroy_task, .noun = "task"};
 
 duet_task *task_check_lua(lua_State *L, int index)
 {
@@ -53,7 +47,7 @@ duet_task *task_check_lua(lua_State *L, int index)
 }
 
 // device_pair:task(path, settings)
-static int task_create(lua_State *L)
+static int device_pair_task(lua_State *L)
 {
     duet_error err = {0};
     duet_task_def def = duet_default_task_def();
@@ -66,19 +60,14 @@ static int task_create(lua_State *L)
     return t->object ? 1 : class_push_failure(L, &err);
 }
 
-static const member arg_members[] = {
-    MEMBER(member_string, duet_task_arg, name),   MEMBER(member_string, duet_task_arg, type),
-    MEMBER(member_string, duet_task_arg, access), MEMBER(member_count, duet_task_arg, elements),
-    MEMBER(member_count, duet_task_arg, bytes),   {0},
-};
-
 // task:args() -> a table each, by name
 static int task_args(lua_State *L)
 {
     const duet_task *t = task_check_lua(L, 1);
     lua_newtable(L);
     for (uint32_t i = 0; duet_task_get_arg(t, i); ++i) {
-        member_push_table(L, arg_members, duet_task_get_arg(t, i));
+        member_push_table(L, MEMBERS_OF(duet_task_arg, name, type, access, elements, bytes),
+                          duet_task_get_arg(t, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -229,15 +218,9 @@ static int task_set_plan(lua_State *L)
     return 1;
 }
 
-static const member result_members[] = {
-    MEMBER(member_double, duet_task_result, total_ms),
-    MEMBER(member_double, duet_task_result, device_ms),
-    {0},
-};
-
 int task_result_push(lua_State *L, const duet_task_result *result)
 {
-    member_push_table(L, result_members, result);
+    member_push_table(L, MEMBERS_OF(duet_task_result, total_ms, device_ms), result);
     stages_push(L, result->stages, result->n_stages);
     lua_setfield(L, -2, "stages");
     return 1;
@@ -254,23 +237,9 @@ static int task_run(lua_State *L)
     return task_result_push(L, &result);
 }
 
-static void destroy(void *t)
-{
-    duet_task_destroy(t);
-}
-
-static const luaL_Reg methods[] = {
-    {"args", task_args}, {"items", task_items},       {"set", task_set}, {"get", task_get},
-    {"plan", task_plan}, {"set_plan", task_set_plan}, {"run", task_run}, {NULL, NULL}};
-static const lua_class task_class = {
-    .name = "duet.task", .methods = methods, .destroy = destroy, .noun = "task"};
-
-void task_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"task_file", file_load}, {NULL, NULL}};
-    static const luaL_Reg of_pair[] = {{"task", task_create}, {NULL, NULL}};
-    class_open(L, &file_class);
-    class_open(L, &task_class);
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun task_noun = {
+    {&file_class, &task_class},
+    (const lua_method[]){{"duet.task_file", file_load, 0},
+                         METHODS(device_pair, task),
+                         METHODS(task, args, items, set, get, plan, set_plan, run),
+                         {0}}};

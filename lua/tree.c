@@ -14,18 +14,19 @@ typedef struct tree_box {
     int shape; // or TREE_LARGE_POSES
 } tree_box;
 
-static const lua_class tree_class;
+CLASS_DESTROY(tree)
+static const lua_class tree_class = {.name = "duet.tree", .destroy = destroy_tree, .noun = "tree"};
 
 static const member def_members[] = {
     MEMBER(member_share, duet_tree_def, share),
-    MEMBER(member_count, duet_tree_def, dims),
+    MEMBERS(duet_tree_def, dims),
     MEMBER_ENUM(duet_tree_def, shape, shape_name),
-    MEMBER(member_float, duet_tree_def, origin_edge),
+    MEMBERS(duet_tree_def, origin_edge),
     {0},
 };
 
 // device_pair:tree(def), or (motion, def): of its bodies
-static int tree_create(lua_State *L)
+static int device_pair_tree(lua_State *L)
 {
     duet_error err = {0};
     duet_device_pair *pair = device_pair_check(L);
@@ -141,26 +142,8 @@ static int tree_set_share(lua_State *L)
                      &err);
 }
 
-static void destroy(void *tree)
-{
-    duet_tree_destroy(tree);
-}
-
-static const luaL_Reg methods[] = {{"set_objects", tree_set_objects},
-                                   {"set_motion", tree_set_motion},
-                                   {"set_heights", tree_set_heights},
-                                   {"set_mesh", tree_set_mesh},
-                                   {"set_filters", tree_set_filters},
-                                   {"set_share", tree_set_share},
-                                   {NULL, NULL}};
-static const lua_class tree_class = {
-    .name = "duet.tree", .methods = methods, .destroy = destroy, .noun = "tree"};
-
-void tree_open_lua(lua_State *L)
-{
-    static const luaL_Reg of_pair[] = {{"tree", tree_create}, {NULL, NULL}};
-    class_open(L, &tree_class);
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-    lua_pushinteger(L, DUET_NO_OBJECT);
-    lua_setfield(L, -2, "NO_OBJECT");
-}
+const lua_noun tree_noun = {{&tree_class},
+                            (const lua_method[]){METHODS(device_pair, tree),
+                                                 METHODS(tree, set_objects, set_motion, set_heights,
+                                                         set_mesh, set_filters, set_share),
+                                                 {0}}};

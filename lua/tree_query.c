@@ -4,13 +4,6 @@
 #include "lua/nouns.h"
 #include "runtime/queries/any_query.h"
 
-static const member result_members[] = {
-    MEMBER(member_count, query_result, undecided),
-    MEMBER(member_double, query_result, total_ms),
-    MEMBER(member_double, query_result, device_ms),
-    {0},
-};
-
 // A script's form of a def.
 typedef struct query_def {
     any_query_def asked;
@@ -41,12 +34,26 @@ static const member_type member_filter = {.read = read_filter};
     }
 
 static const member ray_members[] = {
-    WANTS, MEMBER_AT("normals", member_bool, query_def, asked.normals, NULL), FILTER, {0}};
-static const member sweep_members[] = {WANTS, FILTER, {0}};
+    WANTS,
+    MEMBER_AT("normals", member_bool, query_def, asked.normals, NULL),
+    FILTER,
+    {0},
+};
+static const member sweep_members[] = {
+    WANTS,
+    FILTER,
+    {0},
+};
 static const member box_members[] = {
-    MEMBER_AT("level", member_enum, query_def, asked.level, level_name), FILTER, {0}};
+    MEMBER_AT("level", member_enum, query_def, asked.level, level_name),
+    FILTER,
+    {0},
+};
 static const member point_members[] = {
-    MEMBER_AT("nearest", member_count, query_def, asked.name.nearest, NULL), FILTER, {0}};
+    MEMBER_AT("nearest", member_count, query_def, asked.name.nearest, NULL),
+    FILTER,
+    {0},
+};
 
 typedef struct query_kind {
     lua_class class;
@@ -69,20 +76,18 @@ static void destroy(void *query)
     any_query_destroy(query);
 }
 
-static const luaL_Reg methods[2], box_methods[3];
-
-#define QUERY_CLASS(name_, methods_)                                                \
-    {                                                                               \
-        .name = (name_), .methods = (methods_), .destroy = destroy, .noun = "query" \
+#define QUERY_CLASS(name_)                                   \
+    {                                                        \
+        .name = (name_), .destroy = destroy, .noun = "query" \
     }
 
 static const query_kind kinds[] = {
-    [QUERY_RAYS] = {QUERY_CLASS("duet.ray_query", methods),
+    [QUERY_RAYS] = {QUERY_CLASS("duet.ray_query"),
                     "a ray query",
                     ray_members,
                     {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                     ARRAY_HITS},
-    [QUERY_SWEEPS] = {QUERY_CLASS("duet.sweep_query", methods),
+    [QUERY_SWEEPS] = {QUERY_CLASS("duet.sweep_query"),
                       "a sweep query",
                       sweep_members,
                       {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
@@ -91,7 +96,7 @@ static const query_kind kinds[] = {
                        [DUET_SHAPE_SPHERES] = ARRAY_SPHERE_SWEEPS,
                        [TREE_LARGE_POSES] = ARRAY_LARGE_SWEEPS},
                       ARRAY_SWEEP_HITS},
-    [QUERY_BOXES] = {QUERY_CLASS("duet.box_query", box_methods),
+    [QUERY_BOXES] = {QUERY_CLASS("duet.box_query"),
                      "a box query",
                      box_members,
                      {[DUET_SHAPE_POSES] = ARRAY_POSES,
@@ -100,7 +105,7 @@ static const query_kind kinds[] = {
                       [DUET_SHAPE_SPHERES] = ARRAY_SPHERES,
                       [TREE_LARGE_POSES] = ARRAY_LARGE_POSES},
                      ARRAY_BOX_HITS},
-    [QUERY_POINTS] = {QUERY_CLASS("duet.point_query", methods),
+    [QUERY_POINTS] = {QUERY_CLASS("duet.point_query"),
                       "a point query",
                       point_members,
                       {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
@@ -137,7 +142,7 @@ static int create(lua_State *L)
 static int push_found(lua_State *L, query_item item, const query_result *found)
 {
     array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
-    member_push_table(L, result_members, found);
+    member_push_table(L, MEMBERS_OF(query_result, undecided, total_ms, device_ms), found);
     if (found->normals) {
         array_push_copy(L, ARRAY_POINTS, found->normals, found->n_hits);
         lua_setfield(L, -2, "normals");
@@ -170,17 +175,16 @@ static int run_itself(lua_State *L)
     return push_found(L, QUERY_BOXES, &found);
 }
 
-static const luaL_Reg methods[2] = {{"run", run}, {NULL, NULL}};
-static const luaL_Reg box_methods[3] = {{"run", run}, {"run_itself", run_itself}, {NULL, NULL}};
-
-void tree_query_open_lua(lua_State *L)
-{
-    static const lua_shared of_tree[] = {{"ray_query", create, QUERY_RAYS},
-                                         {"sweep_query", create, QUERY_SWEEPS},
-                                         {"box_query", create, QUERY_BOXES},
-                                         {"point_query", create, QUERY_POINTS},
-                                         {NULL, NULL, 0}};
-    for (int i = 0; i < N_KINDS; ++i)
-        class_open(L, &kinds[i].class);
-    class_add_methods(L, "duet.tree", NULL, of_tree);
-}
+const lua_noun tree_query_noun = {
+    {&kinds[QUERY_RAYS].class, &kinds[QUERY_SWEEPS].class, &kinds[QUERY_BOXES].class,
+     &kinds[QUERY_POINTS].class},
+    (const lua_method[]){{"duet.tree:ray_query", create, QUERY_RAYS},
+                         {"duet.tree:sweep_query", create, QUERY_SWEEPS},
+                         {"duet.tree:box_query", create, QUERY_BOXES},
+                         {"duet.tree:point_query", create, QUERY_POINTS},
+                         {"duet.ray_query:run", run, 0},
+                         {"duet.sweep_query:run", run, 0},
+                         {"duet.box_query:run", run, 0},
+                         {"duet.point_query:run", run, 0},
+                         {"duet.box_query:run_itself", run_itself, 0},
+                         {0}}};

@@ -70,115 +70,49 @@ typedef struct tune_def {
 #define OPTION(type, member) MEMBER_AT(#member, type, tune_def, def.member, NULL)
 
 static const member def_members[] = {
-    OPTION(member_string, store),
+    MEMBERS_IN(tune_def, def., store),
     OPTION(member_keep, keep),
-    OPTION(member_bool, ordered),
-    OPTION(member_bool, fresh),
-    OPTION(member_string, strategy),
-    OPTION(member_string, strategy_lua),
-    OPTION(member_string, strategy_name),
-    OPTION(member_string, objective),
-    OPTION(member_string, search),
-    OPTION(member_string, query),
-    OPTION(member_count, items),
-    OPTION(member_count, steps),
+    MEMBERS_IN(tune_def, def., ordered, fresh, strategy, strategy_lua, strategy_name, objective,
+               search, query, items, steps),
     MEMBER(member_names, tune_def, variants),
     MEMBER(member_names, tune_def, modes),
-    OPTION(member_double, budget_seconds),
-    OPTION(member_count, budget_trials),
-    OPTION(member_double, wait_seconds),
-    OPTION(member_count, repeats),
-    OPTION(member_count, seed),
-    OPTION(member_string, script),
+    MEMBERS_IN(tune_def, def., budget_seconds, budget_trials, wait_seconds, repeats, seed, script),
     MEMBER_AT("level", member_levels, tune_def, levels, NULL),
-    OPTION(member_accuracy, accuracy),
+    MEMBERS_IN(tune_def, def., accuracy),
     MEMBER(member_watch, tune_def, watch),
     {0},
 };
 
 static const member terms_members[] = {
-    MEMBER(member_double, duet_tune_terms, t1),
-    MEMBER(member_double, duet_tune_terms, cpu1),
-    MEMBER(member_double, duet_tune_terms, cpu2),
-    MEMBER(member_double, duet_tune_terms, gpu1),
-    MEMBER(member_double, duet_tune_terms, gpu2),
-    MEMBER(member_double, duet_tune_terms, gpu3),
-    MEMBER(member_double, duet_tune_terms, bus1),
-    MEMBER(member_double, duet_tune_terms, bus2),
-    MEMBER(member_double, duet_tune_terms, bus3),
-    MEMBER(member_double, duet_tune_terms, imbalance),
-    MEMBER(member_double, duet_tune_terms, joules),
+    MEMBERS(duet_tune_terms, t1, cpu1, cpu2, gpu1, gpu2, gpu3, bus1, bus2, bus3, imbalance, joules),
     {0},
 };
 
 static const member_type member_terms = {.push = member_push_struct, .members = terms_members};
 
-static const member kernels_members[] = {
-    MEMBER(member_count, duet_kernel_search, configs),
-    MEMBER(member_count, duet_kernel_search, tried),
-    MEMBER(member_count, duet_kernel_search, launches),
-    MEMBER(member_double, duet_kernel_search, gain),
-    MEMBER(member_double, duet_kernel_search, gain_low),
-    MEMBER(member_double, duet_kernel_search, gain_high),
-    MEMBER(member_chars, duet_kernel_search, verdict),
-    {0},
-};
-
 // A's and B's.
 static void push_kernels(lua_State *L, const member *m, const void *at)
 {
     (void)m;
-    member_push_list(L, kernels_members, at, 2, sizeof(duet_kernel_search));
+    member_push_list(L,
+                     MEMBERS_OF(duet_kernel_search, configs, tried, launches, gain, gain_low,
+                                gain_high, verdict),
+                     at, 2, sizeof(duet_kernel_search));
 }
 
 static const member_type member_kernels = {.push = push_kernels};
 
 static const member outcome_members[] = {
-    MEMBER(member_plan, duet_tune_outcome, plan),
-    MEMBER(member_plan, duet_tune_outcome, best),
-    MEMBER(member_count, duet_tune_outcome, objects),
+    MEMBERS(duet_tune_outcome, plan, best, objects),
     MEMBER_ENUM(duet_tune_outcome, level, level_name),
-    MEMBER(member_accuracy, duet_tune_outcome, accuracy),
-    MEMBER(member_count, duet_tune_outcome, true_pairs),
-    MEMBER(member_double, duet_tune_outcome, gain),
-    MEMBER(member_double, duet_tune_outcome, gain_low),
-    MEMBER(member_double, duet_tune_outcome, gain_high),
-    MEMBER(member_chars, duet_tune_outcome, verdict),
-    MEMBER(member_count, duet_tune_outcome, rounds),
-    MEMBER(member_count, duet_tune_outcome, watched),
-    MEMBER(member_count, duet_tune_outcome, disturbed),
-    MEMBER(member_double, duet_tune_outcome, step_ms),
-    MEMBER(member_double, duet_tune_outcome, step_low_ms),
-    MEMBER(member_double, duet_tune_outcome, step_high_ms),
-    MEMBER(member_double, duet_tune_outcome, single_ms),
-    MEMBER(member_double, duet_tune_outcome, single_joules),
-    MEMBER(member_double, duet_tune_outcome, whole_ms),
-    MEMBER(member_double, duet_tune_outcome, whole_gain),
-    MEMBER(member_double, duet_tune_outcome, whole_gain_low),
-    MEMBER(member_double, duet_tune_outcome, whole_gain_high),
+    MEMBERS(duet_tune_outcome, accuracy, true_pairs, gain, gain_low, gain_high, verdict, rounds,
+            watched, disturbed, step_ms, step_low_ms, step_high_ms, single_ms, single_joules,
+            whole_ms, whole_gain),
+    MEMBERS(duet_tune_outcome, whole_gain_low, whole_gain_high),
     MEMBER(member_terms, duet_tune_outcome, terms),
     MEMBER(member_kernels, duet_tune_outcome, kernels),
-    MEMBER(member_count, duet_tune_outcome, plans),
-    MEMBER(member_count, duet_tune_outcome, plans_tried),
-    MEMBER(member_count, duet_tune_outcome, trials),
-    MEMBER(member_count, duet_tune_outcome, launches),
-    MEMBER(member_double, duet_tune_outcome, seconds),
-    MEMBER(member_bool, duet_tune_outcome, known),
-    MEMBER(member_bool, duet_tune_outcome, resumed),
-    MEMBER(member_chars, duet_tune_outcome, uid),
-    MEMBER(member_chars, duet_tune_outcome, unused),
-    {0},
-};
-
-static const member progress_members[] = {
-    MEMBER(member_string, duet_tune_progress, stage),
-    MEMBER(member_double, duet_tune_progress, ms),
-    MEMBER(member_count, duet_tune_progress, trials),
-    MEMBER(member_count, duet_tune_progress, most_trials),
-    MEMBER(member_count, duet_tune_progress, launches),
-    MEMBER(member_double, duet_tune_progress, seconds),
-    MEMBER(member_bool, duet_tune_progress, remembered),
-    MEMBER(member_string, duet_tune_progress, waiting),
+    MEMBERS(duet_tune_outcome, plans, plans_tried, trials, launches, seconds, known, resumed, uid,
+            unused),
     {0},
 };
 
@@ -195,7 +129,10 @@ static int call_watch(lua_State *L)
 {
     const duet_tune_progress *progress = lua_touserdata(L, 2);
     lua_pushvalue(L, 1);
-    member_push_table(L, progress_members, progress);
+    member_push_table(L,
+                      MEMBERS_OF(duet_tune_progress, stage, ms, trials, most_trials, launches,
+                                 seconds, remembered, waiting),
+                      progress);
     plan_push(L, progress->plan);
     lua_setfield(L, -2, "plan");
     lua_call(L, 1, 1);
@@ -251,7 +188,7 @@ static void check_policy(lua_State *L, const duet_tune_def *def)
 }
 
 // device_pair:tune(scene or task file, def)
-static int pair_tune(lua_State *L)
+static int device_pair_tune(lua_State *L)
 {
     duet_error err = {0};
     duet_tune_outcome outcome = {0};
@@ -304,10 +241,6 @@ static int list_strategies(lua_State *L)
     return 1;
 }
 
-void tune_open_lua(lua_State *L)
-{
-    static const luaL_Reg functions[] = {{"strategies", list_strategies}, {NULL, NULL}};
-    static const luaL_Reg of_pair[] = {{"tune", pair_tune}, {NULL, NULL}};
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-    luaL_setfuncs(L, functions, 0);
-}
+const lua_noun tune_noun = {
+    {NULL},
+    (const lua_method[]){{"duet.strategies", list_strategies, 0}, METHODS(device_pair, tune), {0}}};

@@ -5,22 +5,11 @@
 static const lua_class world_class;
 
 static const member def_members[] = {
-    MEMBER(member_plan, duet_world_def, plan),
-    MEMBER(member_count, duet_world_def, dims),
+    MEMBERS(duet_world_def, plan, dims),
     MEMBER_ENUM(duet_world_def, shape, shape_name),
     MEMBER_ENUM(duet_world_def, level, level_name),
-    MEMBER(member_bool, duet_world_def, rotated),
-    MEMBER(member_float, duet_world_def, cell),
-    MEMBER(member_bool, duet_world_def, cell_fixed),
-    MEMBER(member_float, duet_world_def, lower),
-    MEMBER(member_float, duet_world_def, upper),
-    MEMBER(member_bool, duet_world_def, separate_sizes),
-    MEMBER(member_bool, duet_world_def, compact_transforms),
-    MEMBER(member_bool, duet_world_def, ordered),
-    MEMBER(member_bool, duet_world_def, keep_bad),
-    MEMBER(member_count, duet_world_def, max_pairs),
-    MEMBER(member_bool, duet_world_def, stage_times),
-    MEMBER(member_accuracy, duet_world_def, accuracy),
+    MEMBERS(duet_world_def, rotated, cell, cell_fixed, lower, upper, separate_sizes,
+            compact_transforms, ordered, keep_bad, max_pairs, stage_times, accuracy),
     {0},
 };
 
@@ -68,7 +57,7 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
 
 // device_pair:world(def), or device_pair:world(scene, def): with the scene's
 // objects, and its settings where def says nothing else.
-static int world_create(lua_State *L)
+static int device_pair_world(lua_State *L)
 {
     duet_error err = {0};
     duet_device_pair *pair = device_pair_check(L);
@@ -225,31 +214,6 @@ static int world_step_end(lua_State *L)
     return 1;
 }
 
-static const luaL_Reg methods[] = {{"close", world_close},
-                                   {"set_scene", world_set_scene},
-                                   {"order", world_order},
-                                   {"plan", world_plan},
-                                   {"set_plan", world_set_plan},
-                                   {"set_level", world_set_level},
-                                   {"level", world_level},
-                                   {"step", world_step},
-                                   {"step_begin", world_step_begin},
-                                   {"step_end", world_step_end},
-                                   {NULL, NULL}};
-static const lua_shared shared[] = {
-    {"set_poses", world_set_objects, ARRAY_POSES},
-    {"set_bounds", world_set_objects, ARRAY_BOUNDS},
-    {"set_rounded_boxes", world_set_objects, ARRAY_ROUNDED_BOXES},
-    {"set_spheres", world_set_objects, ARRAY_SPHERES},
-    {"map_poses", world_map_objects, ARRAY_POSES},
-    {"map_bounds", world_map_objects, ARRAY_BOUNDS},
-    {"map_rounded_boxes", world_map_objects, ARRAY_ROUNDED_BOXES},
-    {"map_spheres", world_map_objects, ARRAY_SPHERES},
-    {"map_transforms", world_map_objects, ARRAY_TRANSFORMS},
-    {"map_compact_transforms", world_map_objects, ARRAY_COMPACT_TRANSFORMS},
-    {"map_sizes", world_map_objects, ARRAY_SIZES},
-    {NULL, NULL, 0}};
-
 // Says what its next step does.
 static int world_about(lua_State *L)
 {
@@ -265,12 +229,23 @@ static int world_about(lua_State *L)
     return 1;
 }
 
-static const lua_class world_class = {
-    .name = "duet.world", .methods = methods, .shared = shared, .about = world_about};
+static const lua_class world_class = {.name = "duet.world", .about = world_about};
 
-void world_open_lua(lua_State *L)
-{
-    static const luaL_Reg of_pair[] = {{"world", world_create}, {NULL, NULL}};
-    class_open(L, &world_class);
-    class_add_methods(L, "duet.device_pair", of_pair, NULL);
-}
+const lua_noun world_noun = {
+    {&world_class},
+    (const lua_method[]){
+        METHODS(device_pair, world),
+        METHODS(world, close, set_scene, order, plan, set_plan, set_level, level, step, step_begin,
+                step_end),
+        {"duet.world:set_poses", world_set_objects, ARRAY_POSES},
+        {"duet.world:set_bounds", world_set_objects, ARRAY_BOUNDS},
+        {"duet.world:set_rounded_boxes", world_set_objects, ARRAY_ROUNDED_BOXES},
+        {"duet.world:set_spheres", world_set_objects, ARRAY_SPHERES},
+        {"duet.world:map_poses", world_map_objects, ARRAY_POSES},
+        {"duet.world:map_bounds", world_map_objects, ARRAY_BOUNDS},
+        {"duet.world:map_rounded_boxes", world_map_objects, ARRAY_ROUNDED_BOXES},
+        {"duet.world:map_spheres", world_map_objects, ARRAY_SPHERES},
+        {"duet.world:map_transforms", world_map_objects, ARRAY_TRANSFORMS},
+        {"duet.world:map_compact_transforms", world_map_objects, ARRAY_COMPACT_TRANSFORMS},
+        {"duet.world:map_sizes", world_map_objects, ARRAY_SIZES},
+        {0}}};

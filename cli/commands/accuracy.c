@@ -44,8 +44,6 @@ static const option_rule rules[] = {{"time limit", OPTION_EXCLUDES, "still"}, {0
 static const command_line line = {
     .name = "accuracy",
     .operands = "SCENE|FILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Measures what accuracy costs. A still scene: the time of each level of accuracy,\n"
              "and what it gets wrong. A moving scene: time steps and substeps (in free flight\n"
              "integrators), how far each ends from a much finer run, how its energy drifts\n"
@@ -119,8 +117,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_accuracy(int argc, char **argv)
-{
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .time = -1, .limit = -1};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(accuracy, .scene = SCENE_OPTIONS_DEFAULT, .time = -1, .limit = -1)

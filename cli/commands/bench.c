@@ -54,7 +54,6 @@ static const option_rule rules[] = {
 
 static const command_line line = {
     .name = "bench",
-    .operands = "",
     .about = "Measures a standard set: each device alone, shares in between, the modes, the\n"
              "kernels and the levels of accuracy on five scenes, and what each effect costs\n"
              "on a sixth. --against says what became faster or slower; the exit status is 1\n"
@@ -463,8 +462,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_bench(int argc, char **argv)
-{
-    arguments args = {.repeat = 9, .size = SCENE_OPTIONS_DEFAULT};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(bench, .repeat = 9, .size = SCENE_OPTIONS_DEFAULT)

@@ -104,8 +104,6 @@ static const char *refuse(const void *given, char **operands)
 const command_line cluster_line = {
     .name = "cluster",
     .operands = "SCENE|FILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Finds all pairs of boxes that collide, on all ranks of an MPI job: each rank\n"
              "finds those of its part of the world on devices of its own. The pairs, and\n"
              "their hash, are those of 'duet run' at any number of ranks. With --steps\n"

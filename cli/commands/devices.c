@@ -16,7 +16,6 @@ static const option options[] = {
 
 static const command_line line = {
     .name = "devices",
-    .operands = "",
     .about = "Lists the OpenCL devices here. A CPU can be cut into parts, which are devices\n"
              "too: pocl:0[2-3] is units 2 and 3 of pocl:0, pocl:0[1/4] the first quarter.\n"
              "--pair takes two selectors with a comma between them, one, or halves; cpu and\n"
@@ -73,8 +72,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_devices(int argc, char **argv)
-{
-    arguments args = {0};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(devices, 0)

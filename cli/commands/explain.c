@@ -42,8 +42,6 @@ static const option_rule rules[] = {
 static const command_line line = {
     .name = "explain",
     .operands = "[SCENE]",
-    .least_operands = 1,
-    .most_operands = 1,
     .instead = "task",
     .about = "Shows what a scene calls for. A moving scene has effects: what calls for each,\n"
              "its kernels and its bytes an object. A still scene has kernels that find its\n"
@@ -170,8 +168,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_explain(int argc, char **argv)
-{
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .steps = 20};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(explain, .scene = SCENE_OPTIONS_DEFAULT, .plan = PLAN_OPTIONS_DEFAULT, .steps = 20)

@@ -39,7 +39,6 @@ static const option_rule rules[] = {{"memory seconds", OPTION_EXCLUDES, "trust"}
 static const command_line line = {
     .name = "lua",
     .operands = "[FILE [ARGUMENT...]]",
-    .most_operands = 1 << 20,
     .rest_is_operands = true,
     .about = "Runs a Lua script that uses the module 'duet'; its arguments are in 'arg'.\n"
              "Runs what is typed if there is neither FILE nor CODE; 'help' there says how to\n"
@@ -247,8 +246,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_lua(int argc, char **argv)
-{
-    arguments args = {.memory_mib = 256, .seconds = 60};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(lua, .memory_mib = 256, .seconds = 60)

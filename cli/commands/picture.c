@@ -33,8 +33,6 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "picture",
     .operands = "SCENE|FILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Draws a scene with its cells, its pairs and a scale bar. A large scene is drawn\n"
              "around a collision, with the whole of it in a corner.",
     .options = options,
@@ -64,8 +62,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_picture(int argc, char **argv)
-{
-    arguments args = {.scene = SCENE_OPTIONS_DEFAULT, .width = 1000};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(picture, .scene = SCENE_OPTIONS_DEFAULT, .width = 1000)

@@ -50,7 +50,6 @@ static const option list_options[] = {
 
 static const command_line list_line = {
     .name = "profiles list",
-    .operands = "",
     .about = "Lists the profiles of the store by device pair and size.",
     .options = list_options,
 };
@@ -72,8 +71,6 @@ static const option show_options[] = {
 static const command_line show_line = {
     .name = "profiles show",
     .operands = "PROFILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Shows a profile, named by the first digits that 'duet profiles list' prints,\n"
              "with the session it comes from and all its trials.",
     .options = show_options,
@@ -89,8 +86,6 @@ static bool show(store *s, const arguments *args, char **operands, duet_error *e
 static const command_line diff_line = {
     .name = "profiles diff",
     .operands = "PROFILE PROFILE",
-    .least_operands = 2,
-    .most_operands = 2,
     .about = "Shows two profiles side by side, and which one is faster.",
     .options = show_options,
 };
@@ -110,8 +105,6 @@ static const option uid_options[] = {
 static const command_line use_line = {
     .name = "profiles use",
     .operands = "PROFILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Makes a stored profile the one that applications load in its place, as it was\n"
              "before another replaced it. 'duet profiles list --dead' shows unused ones.",
     .options = uid_options,
@@ -120,8 +113,6 @@ static const command_line use_line = {
 static const command_line forget_line = {
     .name = "profiles forget",
     .operands = "PROFILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Removes a profile. What was measured for it stays, and no other takes its\n"
              "place.",
     .options = uid_options,
@@ -156,7 +147,6 @@ static const option export_options[] = {
 static const command_line export_line = {
     .name = "profiles export",
     .operands = "[FILE]",
-    .most_operands = 1,
     .about = "Writes the whole store as JSON lines, to FILE or to stdout. 'duet profiles import'\n"
              "reads them; it does not read T4.",
     .options = export_options,
@@ -180,8 +170,6 @@ static const option import_options[] = {
 static const command_line import_line = {
     .name = "profiles import",
     .operands = "FILE|-",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Adds the rows of an export: all of them or, if a line is wrong, none.",
     .options = import_options,
 };
@@ -189,8 +177,6 @@ static const command_line import_line = {
 static const command_line merge_line = {
     .name = "profiles merge",
     .operands = "OTHER.db",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Adds the rows of another store, which is only read. Every row stays with\n"
              "its own devices and machine; the store's own profiles stay live.",
     .options = import_options,
@@ -242,7 +228,6 @@ static const option prune_options[] = {
 
 static const command_line prune_line = {
     .name = "profiles prune",
-    .operands = "",
     .about = "Thins the single launches of finished trials, whose medians and intervals stay.",
     .options = prune_options,
 };
@@ -269,7 +254,6 @@ static bool prune(store *s, const arguments *args, char **operands, duet_error *
 
 static const command_line check_line = {
     .name = "profiles check",
-    .operands = "",
     .about = "Whether the file is whole and its rows are what their keys say.",
     .options = import_options,
 };

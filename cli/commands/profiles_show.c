@@ -1,78 +1,90 @@
 // SPDX-License-Identifier: MIT
-// duet profiles show: a profile with the session it comes from and all its trials, or a run of a
-// cluster. duet profiles diff: two profiles side by side, and which is the quicker.
+// duet profiles list: the profiles by device pair and size. duet profiles show: a profile with the
+// session it comes from and all its trials. duet profiles diff: two profiles side by side, and
+// which is the quicker.
 #include "cli/commands/profiles.h"
-#include "cli/report/profile_report.h"
+#include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "cli/say.h"
+#include "profiles/profile_view.h"
 
 #include <stdio.h>
 
-static bool show_text(cJSON *o, const profile_entry *e, duet_error *err)
+// The profile named by its first digits, with its session.
+static cJSON *read_profile(store *s, const char *uid, char whole[PROFILE_ID], duet_error *err)
 {
-    bool ok = rendering_print("cli/report/profile.lua", o, err);
-    if (e->session.id && e->session.script) {
-        printf("script\n");
-        say_lines(e->session.script);
-        printf("\n");
-    }
-    ok = ok && (!e->session.id || rendering_print("cli/report/trials.lua", o, err));
-    cJSON_Delete(o);
-    return ok;
+    cJSON *list = cJSON_CreateArray();
+    cJSON *o = profile_find(s, uid, whole, err) && profile_view_add(s, whole, true, "", list, err)
+                   ? cJSON_DetachItemFromArray(list, 0)
+                   : NULL;
+    cJSON_Delete(list);
+    return o;
 }
 
-static bool show_entry(void *context, const profile_entry *e)
+static bool show_text(const cJSON *o, duet_error *err)
 {
-    profile_showing *show = context;
-    cJSON *o = profile_report_json(e);
-    show->ok = profile_report_add_trials(o, show->s, e->session.id, show->err);
-    profile_report_add_session(o, &e->session);
-    if (show->ok)
-        show->ok = show->json ? say_json(o, show->err) : show_text(o, e, show->err);
-    else
-        cJSON_Delete(o);
-    return false;
+    const cJSON *session = cJSON_GetObjectItem(o, "session");
+    bool ok = rendering_print("cli/report/profile.lua", o, err);
+    if (cJSON_HasObjectItem(session, "script")) {
+        printf("script\n");
+        say_lines(json_string(session, "script"));
+        printf("\n");
+    }
+    return ok && (!session || rendering_print("cli/report/trials.lua", o, err));
 }
 
 bool profiles_show(store *s, const char *uid, bool json, duet_error *err)
 {
     char whole[PROFILE_ID];
-    profile_showing sh = {.s = s, .json = json, .err = err};
-    return profile_find(s, uid, whole, err) &&
-           profile_entry_each(s, whole, true, show_entry, &sh, err) && sh.ok;
+    cJSON *o = read_profile(s, uid, whole, err);
+    bool ok = o && profile_view_add_trials(s, whole, o, err) &&
+              profile_view_add_session(s, whole, o, err);
+    if (ok && json)
+        return say_json(o, err);
+    ok = ok && show_text(o, err);
+    cJSON_Delete(o);
+    return ok;
 }
 
-// ------------------------------------------------------------------- two of them
-
-static bool keep_json(void *context, const profile_entry *e)
+// Adds strategy and options in the place of the session.
+static bool add_compared(cJSON *o, const char *name, store *s, const char *uid, duet_error *err)
 {
-    cJSON *o = profile_report_json(e);
-    if (e->session.strategy)
-        json_add(o, STRING("strategy", e->session.strategy));
-    if (e->session.options)
-        json_add_object(o, "options", e->session.options);
-    *(cJSON **)context = o;
-    return false;
-}
-
-static cJSON *read_entry(store *s, const char *uid, duet_error *err)
-{
+    static const char *const names[] = {"strategy", "options"};
     char whole[PROFILE_ID];
-    cJSON *o = NULL;
-    if (profile_find(s, uid, whole, err))
-        profile_entry_each(s, whole, true, keep_json, &o, err);
-    return o;
+    cJSON *one = read_profile(s, uid, whole, err);
+    bool ok = one && profile_view_add_session(s, whole, one, err);
+    cJSON *session = cJSON_DetachItemFromObject(one, "session");
+    for (int i = 0; i < 2; ++i)
+        if (cJSON_HasObjectItem(session, names[i]))
+            cJSON_AddItemToObject(one, names[i], cJSON_DetachItemFromObject(session, names[i]));
+    cJSON_Delete(session);
+    cJSON_AddItemToObject(o, name, one);
+    return ok;
 }
 
 bool profiles_diff(store *s, const char *first, const char *second, bool json, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    cJSON *one = read_entry(s, first, err);
-    cJSON *other = one ? read_entry(s, second, err) : NULL;
-    cJSON_AddItemToObject(o, "first", one);
-    cJSON_AddItemToObject(o, "second", other);
-    if (other)
+    if (add_compared(o, "first", s, first, err) && add_compared(o, "second", s, second, err))
         return rendering_tell(o, json, "cli/report/diff.lua", err);
+    cJSON_Delete(o);
+    return false;
+}
+
+bool profiles_list(store *s, bool dead, bool json, duet_error *err)
+{
+    cJSON *o = cJSON_CreateObject();
+    json_add(o, STRING("store", store_path(s)));
+    cJSON *profiles = cJSON_AddArrayToObject(o, "profiles");
+    cJSON *all = cJSON_CreateArray();
+    bool ok =
+        profile_view_add(s, "", dead, ", p.pair_id", profiles, err) &&
+        (json || cJSON_GetArraySize(profiles) > 0 || profile_view_add(s, "", true, "", all, err));
+    if (!json)
+        json_add(o, NUMBER("dead", cJSON_GetArraySize(all)));
+    cJSON_Delete(all);
+    if (ok)
+        return rendering_tell(o, json, "cli/report/profiles.lua", err);
     cJSON_Delete(o);
     return false;
 }

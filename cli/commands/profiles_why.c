@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
 // duet profiles why: which profile a scene would get here, and why.
+#define _POSIX_C_SOURCE 200809L
 #include "cli/commands/profiles.h"
 #include "cli/inputs.h"
 #include "cli/options.h"
 #include "cli/report/json.h"
-#include "cli/report/profile_report.h"
 #include "cli/report/rendering.h"
 #include "cli/say.h"
 #include "runtime/selection/profile_subject.h"
 #include "runtime/task/task.h"
 
+#include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 typedef struct arguments {
     scene_options scene;
@@ -41,8 +43,6 @@ static const option_rule rules[] = {{"level missed false-rate", OPTION_EXCLUDES,
 static const command_line line = {
     .name = "profiles why",
     .operands = "[SCENE|FILE]",
-    .least_operands = 1,
-    .most_operands = 1,
     .instead = "task",
     .about = "Says which profile an application with this scene would get here, and why. The\n"
              "grades are tried from the best down; docs/store.md explains them.",
@@ -97,10 +97,20 @@ static bool read_subject(const arguments *args, const duet_scene *scene, duet_de
 
 static void add_device(cJSON *o, const char *name, const profile_env *env)
 {
-    profile_report_add_device(o, name,
-                              &(profile_entry_device){.name = env->device.name,
-                                                      .part = env->part,
-                                                      .driver = env->driver});
+    cJSON *device = cJSON_AddObjectToObject(o, name);
+    json_add(device, STRING("name", env->device.name), STRING("part", env->part ? env->part : ""),
+             STRING("driver", env->driver));
+}
+
+// "2026-11-21 08:17", UTC; empty for 0.
+static void add_created(cJSON *o, int64_t calendar_ns)
+{
+    char date[32] = "";
+    time_t seconds = (time_t)(calendar_ns / 1000000000);
+    struct tm parts;
+    if (calendar_ns > 0 && gmtime_r(&seconds, &parts))
+        strftime(date, sizeof date, "%Y-%m-%d %H:%M", &parts);
+    json_add(o, STRING("created", date));
 }
 
 static void add_plan(cJSON *o, const answer *a)
@@ -150,8 +160,8 @@ static cJSON *describe(const answer *a)
         json_add_rates(o, (double)found->true_pairs, found->missed_rate, found->false_rate);
         json_add_whole(o, found->whole_ns * 1e-6, found->whole_gain, found->whole_gain_low,
                        found->whole_gain_high);
-        json_add(o, STRING("uid", found->uid),
-                 STRING("created", profile_report_when(found->created_ns).chars));
+        json_add(o, STRING("uid", found->uid));
+        add_created(o, found->created_ns);
     }
     json_add_lines(o, "why", text_chars(&a->why));
     return o;

@@ -46,8 +46,6 @@ static const option_rule rules[] = {
 static const command_line line = {
     .name = "query",
     .operands = "PAIRS.npy|FILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Tests the pairs of a file as a step tests its candidates: 1 colliding, 0\n"
              "separated. A row is two poses of 10 numbers, centre xyz, half extents xyz,\n"
              "quaternion xyzw; in 2D two of 5, centre xy, half extents xy, angle. Files are\n"
@@ -227,8 +225,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_query(int argc, char **argv)
-{
-    arguments args = {.share = UINT32_MAX};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(query, .share = UINT32_MAX)

@@ -159,8 +159,4 @@ static bool run(void *args, char **paths, duet_error *err)
     return ok;
 }
 
-int command_report(int argc, char **argv)
-{
-    arguments args = {0};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(report, 0)

@@ -77,8 +77,6 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "run",
     .operands = "[SCENE|FILE]",
-    .least_operands = 1,
-    .most_operands = 1,
     .instead = "task",
     .about = "Finds all pairs of boxes that collide, on two devices, and says where the time\n"
              "went. SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers\n"

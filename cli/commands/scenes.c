@@ -28,7 +28,6 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "scenes",
     .operands = "[NAME]",
-    .most_operands = 1,
     .about = "Lists the scenes that come with Duet; all subcommands take their names, as in\n"
              "'duet run paper'. With NAME prints the Lua text of one, to begin one's own\n"
              "with.",
@@ -70,8 +69,4 @@ static bool run(void *given, char **operands, duet_error *err)
                           err);
 }
 
-int command_scenes(int argc, char **argv)
-{
-    arguments args = {0};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(scenes, 0)

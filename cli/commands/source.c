@@ -57,7 +57,6 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "source",
     .operands = "[KERNEL]",
-    .most_operands = 1,
     .about = "Prints the exact text of a kernel as it is compiled. Parameters that are not\n"
              "set take the default of the kernel's card.",
     .options = options,
@@ -218,8 +217,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_source(int argc, char **argv)
-{
-    arguments args = {.sample = {.most = 32, .seed = 1}};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(source, .sample = {.most = 32, .seed = 1})

@@ -115,8 +115,6 @@ static const option_rule rules[] = {
 static const command_line line = {
     .name = "tune",
     .operands = "[SCENE|FILE]",
-    .least_operands = 0,
-    .most_operands = 1,
     .about = "Finds the kernels, the mode and the share with which two devices do a scene's\n"
              "work best, and keeps them in the profile file for 'duet run' and for\n"
              "applications. With --config a file names the scenes and fills the fields that\n"
@@ -446,9 +444,4 @@ static bool run(void *given, char **operands, duet_error *err)
     return ok;
 }
 
-int command_tune(int argc, char **argv)
-{
-    arguments args = {
-        .scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT, .wait_seconds = -1};
-    return options_run(&line, argc, argv, &args, run);
-}
+SUBCOMMAND(tune, .scene = SCENE_OPTIONS_DEFAULT, .level = LEVEL_OPTIONS_DEFAULT, .wait_seconds = -1)

@@ -59,8 +59,6 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "verify",
     .operands = "SCENE|FILE",
-    .least_operands = 1,
-    .most_operands = 1,
     .about = "Runs a moving scene twice, on two device pairs or by two plans, and says whether\n"
              "every step gave the same bits, or the first step, stage and body that differ.\n"
              "Without options of the other run that is on two devices: halves of the CPU, or\n"

@@ -2,8 +2,9 @@
 #include "cli/report/page.h"
 
 #include "base/text.h"
-#include "cli/report/profile_report.h"
+#include "cli/report/json.h"
 #include "cli/report/rendering.h"
+#include "profiles/profile_view.h"
 #include "runtime/duet.h"
 
 #include <time.h>
@@ -29,30 +30,19 @@ cJSON *page_begin(void)
 
 // ---------------------------------------------------------------- the store
 
-typedef struct gathering {
-    store *s;
-    cJSON *profiles;
-    bool ok;
-    duet_error *err;
-} gathering;
-
-static bool gather(void *context, const profile_entry *e)
-{
-    gathering *g = context;
-    cJSON *o = profile_report_json(e);
-    json_add(o, NUMBER("pair_id", e->row.pair_id), NUMBER("workload_id", e->row.workload_id),
-             NUMBER("created_ns", e->created_ns));
-    cJSON_AddItemToArray(g->profiles, o);
-    g->ok = e->dead_reason || profile_report_add_trials(o, g->s, e->session.id, g->err);
-    return g->ok;
-}
-
 bool page_add_store(cJSON *shown, store *s, duet_error *err)
 {
     cJSON *o = cJSON_AddObjectToObject(shown, "store");
     json_add(o, STRING("path", store_path(s)));
-    gathering g = {s, cJSON_AddArrayToObject(o, "profiles"), true, err};
-    return profile_entry_each(s, NULL, true, gather, &g, err) && g.ok;
+    cJSON *profiles = cJSON_AddArrayToObject(o, "profiles"), *one;
+    bool ok =
+        profile_view_add(s, "", true, ", p.pair_id, p.workload_id, p.created_ns", profiles, err);
+    cJSON_ArrayForEach(one, profiles)
+    {
+        bool is_live = cJSON_IsTrue(cJSON_GetObjectItem(one, "live"));
+        ok = ok && (!is_live || profile_view_add_trials(s, json_string(one, "uid"), one, err));
+    }
+    return ok;
 }
 
 bool page_make(text *page, const cJSON *shown, duet_error *err)
