@@ -8,11 +8,26 @@
 
 enum { RIGHT = 4711 };
 
-// A simulated pair behind the face of a machine. Variant "slow" takes thrice the
-// time, "close" a twentieth more, "wrong" finds other pairs, "broken" does not build.
+// A simulated pair behind the face of a machine, and what is asked of its tuning. Variant "slow"
+// takes thrice the time, "close" a twentieth more, "wrong" finds other pairs, "broken" does not
+// build.
 typedef struct fake {
     simulated_pair model;
     rng random;
+    const char *variants[4]; // none: "auto"
+    duet_mode modes[2];
+    uint32_t n_modes;
+    const char *strategy; // NULL: balance
+    const char *usual;    // kernels of the default plan; NULL: "auto"
+    const char *usual_b;  // those of B; NULL: the same
+    uint32_t fair, start; // as of a problem
+    duet_mode fair_mode;
+    bool one_device;
+    struct fake *whole; // what both are parts of
+    double wait_seconds, budget_seconds;
+    uint32_t more_trials; // than the least budget, and 1; 0: no budget
+    duet_tune_outcome got;
+    uint32_t budget_trials;
     double slowness; // slowness of a device whose memory somebody else uses, for a while; 0: none
     bool slow[2];
     bool modes_tie; // else mode shared costs more
@@ -104,71 +119,115 @@ static bool watch_fake(void *context, const duet_tune_progress *progress)
            progress->trials % f->stop_after != 0;
 }
 
-static duet_tune_def fake_def(fake *f)
-{
-    static const char *const one[] = {"auto"};
-    return (duet_tune_def){
-        .strategy = "balance",
-        .variants = one,
-        .n_variants = 1,
-        .repeats = 3,
-        .watch = watch_fake,
-        .watch_context = f,
-    };
-}
-
-static tune_problem fake_task(fake *f, const duet_tune_def *def)
-{
-    return (tune_problem){
-        .def = def,
-        .machine = {.context = f,
-                    .launch = launch_fake,
-                    .hash = RIGHT,
-                    .look_at_others = look_fake},
-        .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
-        .least_share = 8,
-    };
-}
-
-static duet_tune_outcome tune_problem_fake(const tune_problem *problem)
-{
-    duet_tune_outcome outcome;
-    own(trial_log) state = {0};
-    must(tune_run(problem, &state, &outcome, ERR));
-    return outcome;
-}
-
-static duet_tune_outcome tune_fake(fake *f, const duet_tune_def *def)
-{
-    tune_problem problem = fake_task(f, def);
-    return tune_problem_fake(&problem);
-}
-
 static bool open_fake(void *whole, const char *kernels, measure_machine *machine, duet_plan *plan)
 {
     *machine = (measure_machine){.context = whole, .launch = launch_fake, .hash = RIGHT};
-    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", kernels);
-    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", kernels);
+    plan_set_variants(plan, kernels);
     plan->share = 0;
     return true;
 }
 
-// The case that both are parts of one device.
-static duet_tune_outcome tune_parts(fake *f, fake *whole, const duet_tune_def *def)
+// A def, and the problem that is of it.
+typedef struct question {
+    duet_tune_def def;
+    tune_problem problem;
+} question;
+
+static void ask_fake(fake *f, question *q)
 {
-    tune_problem problem = fake_task(f, def);
-    problem.whole = (tune_whole){whole, open_fake};
-    return tune_problem_fake(&problem);
+    f->variants[0] = f->variants[0] ? f->variants[0] : "auto";
+    q->def = (duet_tune_def){
+        .strategy = f->strategy ? f->strategy : "balance",
+        .variants = f->variants,
+        .modes = f->modes,
+        .n_modes = f->n_modes,
+        .repeats = 3,
+        .wait_seconds = f->wait_seconds,
+        .budget_seconds = f->budget_seconds,
+        .watch = watch_fake,
+        .watch_context = f,
+    };
+    while (q->def.n_variants < 4 && f->variants[q->def.n_variants])
+        ++q->def.n_variants;
+    if (f->more_trials > 0)
+        q->def.budget_trials = trial_budget_least(&q->def) + f->more_trials - 1;
+    f->budget_trials = q->def.budget_trials;
+    q->problem = (tune_problem){
+        .def = &q->def,
+        .machine = {.context = f,
+                    .launch = launch_fake,
+                    .hash = RIGHT,
+                    .look_at_others = look_fake},
+        .plan = {.mode = DUET_MODE_OWN},
+        .whole = {f->whole, f->whole ? open_fake : NULL},
+        .one_device = f->one_device,
+        .fair = f->fair,
+        .fair_mode = f->fair_mode,
+        .start = f->start,
+        .least_share = 8,
+    };
+    plan_set_variants(&q->problem.plan, f->usual ? f->usual : "auto");
+    if (f->usual_b)
+        strcpy(q->problem.plan.variant_b, f->usual_b);
 }
+
+static bool run_fake(fake *f, trial_log *log, duet_error *err)
+{
+    question q;
+    ask_fake(f, &q);
+    return tune_run(&q.problem, log, &f->got, err);
+}
+
+// Keeps what came out of it in f->got, too.
+static duet_tune_outcome tune_fake(fake *f)
+{
+    own(trial_log) log = {0};
+    must(run_fake(f, &log, ERR));
+    return f->got;
+}
+
+// Fails with that line; returns how many trials there were.
+static uint32_t fail_fake(fake *f, duet_status status, const char *says)
+{
+    own(trial_log) log = {0};
+    must_fail(run_fake(f, &log, ERR), status, says);
+    return log.n;
+}
+
+static bool is_called(const fake *f, const char *verdict)
+{
+    return strcmp(f->got.verdict, verdict) == 0;
+}
+
+static bool has_kernels(const fake *f, const char *a, const char *b)
+{
+    return strcmp(f->got.plan.variant_a, a) == 0 && strcmp(f->got.plan.variant_b, b) == 0;
+}
+
+// How far the chosen share is from another.
+static double off_share(const fake *f, double share)
+{
+    return fabs(f->got.plan.share / 65536.0 - share);
+}
+
+// Two halves of a device that differ by so much, and with times that vary.
+#define HALVES(overheads, sigmas)                                       \
+    {                                                                   \
+        .ratio = 1, .overhead = {overheads, overheads}, .sigma = sigmas \
+    }
+#define NOISY(sigmas, ...)                                                    \
+    {                                                                         \
+        .sigma = sigmas, .spike_chance = 0.25, .spike_most = 1.6, __VA_ARGS__ \
+    }
+
+// Says that both devices are equal, and starts there.
+#define EQUAL .fair = DUET_SHARE_ONE / 2, .start = DUET_SHARE_ONE / 2, .fair_mode = DUET_MODE_SLAB
 
 TEST(two_equal_halves_are_shared_evenly_and_gain)
 {
-    fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}, .sigma = 0.02},
-              .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_string_equal(outcome.verdict, "faster");
-    assert_true(fabs(outcome.plan.share / 65536.0 - 0.5) < 0.05);
+    fake f = {.model = HALVES(0.02, 0.02), .random = rng_seed(test_seed())};
+    duet_tune_outcome outcome = tune_fake(&f);
+    assert_true(is_called(&f, "faster") && off_share(&f, 0.5) < 0.05);
     assert_int_not_equal(outcome.plan.mode, DUET_MODE_SHARED); // which costs more
     assert_true(outcome.gain > 0.6 && outcome.gain_low > 0.6 && outcome.gain_high < 1.1);
     assert_int_equal(outcome.launches, f.launches);
@@ -177,11 +236,8 @@ TEST(two_equal_halves_are_shared_evenly_and_gain)
 // Timing a GPU's stages makes its launches longer.
 TEST(what_counts_is_launched_as_applications_launch_it)
 {
-    fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}},
-              .random = rng_seed(test_seed()),
-              .staging = 3};
-    duet_tune_def def = fake_def(&f);
-    duet_tune_outcome outcome = tune_fake(&f, &def);
+    fake f = {.model = HALVES(0.02, 0), .random = rng_seed(test_seed()), .staging = 3};
+    duet_tune_outcome outcome = tune_fake(&f);
     assert_true(outcome.trials > 0 && f.launches > 2 * outcome.trials);
     assert_int_equal(f.staged, outcome.trials); // to warm up
     double alone_ms = (double)simulated_launch(&f.model, 0, NULL).total_ns * 1e-6;
@@ -196,6 +252,29 @@ static const simulated_row flat_rows[] = {
     {.share = SEARCH_ONE, .a_ns = 10000000, .b_ns = 10000000},
 };
 
+// Tunes `like` so many times, and returns how often it is as it should be.
+static int count(int times, fake like, bool (*is_right)(const fake *f))
+{
+    int right = 0;
+    like.random = rng_seed(test_seed());
+    for (int i = 0; i < times; ++i) {
+        fake f = like;
+        tune_fake(&f);
+        right += is_right(&f);
+        like.random = f.random;
+    }
+    print_message("%d of %d\n", right, times);
+    return right;
+}
+
+static int n_gaining; // 60 %
+
+static bool is_shared_evenly(const fake *f)
+{
+    n_gaining += f->got.gain >= 0.6;
+    return off_share(f, 0.5) < 0.05;
+}
+
 // Acts like a machine whose last cache other programs use: a device takes 1.45 times
 // as long for a while, now one, now the other, alone as together; and every fourth
 // launch something takes its core away. Divided evenly a step takes 1 / 1.9 of a
@@ -207,195 +286,134 @@ static const simulated_row flat_rows[] = {
 TEST(devices_that_are_slow_for_a_while_hide_neither_share_nor_gain)
 {
     enum { TIMES = 1000 };
-    int near = 0, gains = 0;
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < TIMES; ++i) {
-        fake f = {.model = {.ratio = 1,
-                            .overhead = {0.03, 0.03},
-                            .sigma = 0.02,
-                            .spike_chance = 0.25,
-                            .spike_most = 1.6},
-                  .random = random,
-                  .slowness = 1.45};
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_fake(&f, &def);
-        near += fabs(outcome.plan.share / 65536.0 - 0.5) < 0.05;
-        gains += outcome.gain >= 0.6;
-        random = f.random;
-    }
-    print_message("%d of %d shares near 0.5, %d gains of 60 %%\n", near, TIMES, gains);
-    assert_true(near >= 0.87 * TIMES);
-    assert_true(gains >= 0.83 * TIMES);
+    const fake f = {.model = NOISY(0.02, .ratio = 1, .overhead = {0.03, 0.03}), .slowness = 1.45};
+    assert_true(count(TIMES, f, is_shared_evenly) >= 0.87 * TIMES);
+    print_message("%d gains of 60 %%\n", n_gaining);
+    assert_true(n_gaining >= 0.83 * TIMES);
 }
 
-// Says that both devices are equal, and starts there.
-static duet_tune_outcome tune_equal(fake *f, const duet_tune_def *def)
+static bool is_shared_fairly_and_faster(const fake *f)
 {
-    tune_problem problem = fake_task(f, def);
-    problem.fair = problem.start = DUET_SHARE_ONE / 2;
-    problem.fair_mode = DUET_MODE_SLAB;
-    return tune_problem_fake(&problem);
+    return is_called(f, "faster") && off_share(f, 0.5) <= 0.03;
 }
 
 // Times that vary by 15 % lead a search to shares from .4 to .6.
 TEST(equal_devices_share_fairly_on_a_noisy_machine)
 {
     enum { TIMES = 200 };
-    int near = 0;
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < TIMES; ++i) {
-        fake f = {.model = {.ratio = 1,
-                            .overhead = {0.03, 0.03},
-                            .sigma = 0.15,
-                            .spike_chance = 0.25,
-                            .spike_most = 1.6},
-                  .random = random,
-                  .slowness = 1.2};
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_equal(&f, &def);
-        near += strcmp(outcome.verdict, "faster") == 0 &&
-                fabs(outcome.plan.share / 65536.0 - 0.5) <= 0.03;
-        random = f.random;
-    }
-    print_message("%d of %d within .50 +- .03\n", near, TIMES);
-    assert_true(near >= 0.98 * TIMES);
+    const fake f = {
+        .model = NOISY(0.15, .ratio = 1, .overhead = {0.03, 0.03}), .slowness = 1.2, EQUAL};
+    assert_true(count(TIMES, f, is_shared_fairly_and_faster) >= 0.98 * TIMES);
+}
+
+static bool has_slower_kernels(const fake *f)
+{
+    return !has_kernels(f, "auto", "auto");
 }
 
 // In few noisy launches the slower one of two kernels often leads.
 TEST(equal_devices_keep_the_default_kernels_unless_others_are_proven_faster)
 {
-    static const char *const variants[] = {"close", "auto"};
     enum { TIMES = 200 };
-    int worse = 0;
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < TIMES; ++i) {
-        fake f = {.model = {.ratio = 1,
-                            .overhead = {0.03, 0.03},
-                            .sigma = 0.1,
-                            .spike_chance = 0.25,
-                            .spike_most = 1.6},
-                  .random = random};
-        duet_tune_def def = fake_def(&f);
-        def.variants = variants;
-        def.n_variants = 2;
-        duet_tune_outcome outcome = tune_equal(&f, &def);
-        worse += strcmp(outcome.plan.variant_a, "auto") != 0 ||
-                 strcmp(outcome.plan.variant_b, "auto") != 0;
-        random = f.random;
-    }
-    print_message("%d of %d have a slower kernel\n", worse, TIMES);
-    assert_true(worse <= 0.02 * TIMES);
+    const fake f = {.model = NOISY(0.1, .ratio = 1, .overhead = {0.03, 0.03}),
+                    .variants = {"close", "auto"},
+                    EQUAL};
+    assert_true(count(TIMES, f, has_slower_kernels) <= 0.02 * TIMES);
 }
 
 // And take those that are.
 TEST(equal_devices_take_kernels_that_are_faster)
 {
-    static const char *const variants[] = {"slow", "close"};
-    fake f = {.model = {.ratio = 1, .sigma = 0.05}, .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    def.variants = variants;
-    def.n_variants = 2;
-    tune_problem problem = fake_task(&f, &def);
-    problem.fair = problem.start = DUET_SHARE_ONE / 2;
-    plan_set_variants(&problem.plan, "slow");
-    duet_tune_outcome outcome = tune_problem_fake(&problem);
-    assert_string_equal(outcome.plan.variant_a, "close");
-    assert_string_equal(outcome.plan.variant_b, "close");
-    assert_string_equal(outcome.verdict, "faster");
+    fake f = {.model = HALVES(0, 0.05),
+              .random = rng_seed(test_seed()),
+              .variants = {"slow", "close"},
+              .usual = "slow",
+              EQUAL};
+    f.fair_mode = DUET_MODE_OWN;
+    tune_fake(&f);
+    assert_true(has_kernels(&f, "close", "close") && is_called(&f, "faster"));
+}
+
+static bool is_near_the_best(const fake *f)
+{
+    return simulated_excess(&f->model, f->got.plan.share) < 0.06;
 }
 
 // Two devices of one name, one of which is hot.
 TEST(devices_that_only_look_equal_are_told_apart)
 {
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < 50; ++i) {
-        fake f = {.model = {.ratio = 1.5, .overhead = {0.02, 0.02}, .sigma = 0.03},
-                  .random = random};
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_equal(&f, &def);
-        assert_true(simulated_excess(&f.model, outcome.plan.share) < 0.06);
-        random = f.random;
-    }
+    const fake f = {.model = {.ratio = 1.5, .overhead = {0.02, 0.02}, .sigma = 0.03}, EQUAL};
+    assert_int_equal(count(50, f, is_near_the_best), 50);
 }
 
 // The system keeps both parts on one core, and no other program is there to wait for.
 TEST(parts_on_one_core_are_not_said_to_be_the_same)
 {
-    fake f = {.model = {.ratio = 1, .overhead = {0.02, 0.02}, .sigma = 0.02},
+    fake f = {.model = HALVES(0.02, 0.02),
               .random = rng_seed(test_seed()),
               .disturbed = 0.9,
-              .one_core = true};
-    duet_tune_def def = fake_def(&f);
-    def.wait_seconds = 1;
-    duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_string_equal(outcome.verdict, "ambiguous");
-    assert_string_equal(outcome.unused, "both parts were on one core");
+              .one_core = true,
+              .wait_seconds = 1};
+    assert_string_equal(tune_fake(&f).unused, "both parts were on one core");
+    assert_true(is_called(&f, "ambiguous"));
+}
+
+static bool is_ambiguous(const fake *f)
+{
+    const duet_tune_outcome *got = &f->got;
+    bool ambiguous = is_called(f, "ambiguous");
+    if (is_called(f, "same") && (f->disturbed > 0.1 || f->fair))
+        assert_true(got->gain_high < 0.1001 && got->gain_low > 1 / 1.1001 - 1);
+    assert_true(ambiguous == (strncmp(got->unused, "times vary too much: ", 21) == 0));
+    return ambiguous;
 }
 
 // A race of times that differ by up to four times cannot show that sharing gains nothing.
 static int count_ambiguous(double disturbed, uint32_t fair, double overhead)
 {
-    int ambiguous = 0;
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < 100; ++i) {
-        fake f = {.model = {.ratio = 1,
-                            .overhead = {overhead, overhead},
-                            .sigma = 0.05,
-                            .spike_chance = 0.5,
-                            .spike_most = 4},
-                  .random = random,
-                  .disturbed = disturbed,
-                  .one_core = true};
-        duet_tune_def def = fake_def(&f);
-        def.wait_seconds = 1;
-        tune_problem problem = fake_task(&f, &def);
-        problem.fair = fair;
-        duet_tune_outcome outcome = tune_problem_fake(&problem);
-        bool is_ambiguous = strcmp(outcome.verdict, "ambiguous") == 0;
-        if (strcmp(outcome.verdict, "same") == 0 && (disturbed > 0.1 || fair)) {
-            assert_true(outcome.gain_high < 0.1001);
-            assert_true(outcome.gain_low > 1 / 1.1001 - 1);
-        }
-        assert_true(is_ambiguous == (strncmp(outcome.unused, "times vary too much: ", 21) == 0));
-        ambiguous += is_ambiguous;
-        random = f.random;
-    }
-    return ambiguous;
+    return count(100,
+                 (fake){.model = {.ratio = 1,
+                                  .overhead = {overhead, overhead},
+                                  .sigma = 0.05,
+                                  .spike_chance = 0.5,
+                                  .spike_most = 4},
+                        .disturbed = disturbed,
+                        .one_core = true,
+                        .wait_seconds = 1,
+                        .fair = fair},
+                 is_ambiguous);
 }
 
 TEST(doubt_chooses_no_single_device_where_sharing_is_expected_to_gain)
 {
     static const double overheads[] = {0, 0.1, 0.55}; // 0.5: sharing gains nothing
     for (int i = 0; i < 3; ++i) {
+        print_message("overhead %.2f, beside disturbed launches, and of equal devices:\n",
+                      overheads[i]);
         int with_waits = count_ambiguous(0.4, 0, overheads[i]);
         int equal = count_ambiguous(0, DUET_SHARE_ONE / 2, overheads[i]);
-        print_message("overhead %.2f: of 100 ambiguous: %d beside disturbed launches, %d of equal "
-                      "devices\n",
-                      overheads[i], with_waits, equal);
         assert_true(overheads[i] > 0.5 || (equal > 0 && with_waits > 0));
         assert_int_equal(count_ambiguous(0, 0, overheads[i]), 0);
     }
 }
 
+static bool is_best_in_slabs(const fake *f)
+{
+    return f->got.best.mode == DUET_MODE_SLAB;
+}
+
 TEST(equal_devices_keep_the_default_mode_unless_another_is_proven_faster)
 {
-    static const duet_mode modes[] = {DUET_MODE_OWN, DUET_MODE_SLAB};
-    int kept = 0;
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < 200; ++i) {
-        fake f = {.model = {.ratio = 1, .sigma = 0.15, .spike_chance = 0.25, .spike_most = 1.6},
-                  .random = random};
-        duet_tune_def def = fake_def(&f);
-        def.modes = modes;
-        def.n_modes = 2;
-        tune_problem problem = fake_task(&f, &def);
-        problem.fair = problem.start = DUET_SHARE_ONE / 2;
-        problem.fair_mode = DUET_MODE_SLAB;
-        kept += tune_problem_fake(&problem).best.mode == DUET_MODE_SLAB;
-        random = f.random;
-    }
-    print_message("%d of 200 in the default mode\n", kept);
-    assert_true(kept >= 190);
+    const fake f = {.model = NOISY(0.15, .ratio = 1),
+                    .modes = {DUET_MODE_OWN, DUET_MODE_SLAB},
+                    .n_modes = 2,
+                    EQUAL};
+    assert_true(count(200, f, is_best_in_slabs) >= 190);
+}
+
+static bool is_the_same(const fake *f)
+{
+    return is_called(f, "same");
 }
 
 // The best of several plans that are all the same is one more of them, however
@@ -403,41 +421,31 @@ TEST(equal_devices_keep_the_default_mode_unless_another_is_proven_faster)
 TEST(sharing_that_changes_nothing_is_called_the_same)
 {
     enum { TIMES = 500 };
-    int same = 0;
-    rng random = rng_seed(test_seed());
-    for (int i = 0; i < TIMES; ++i) {
-        fake f = {.model = {.sigma = 0.03,
-                            .spike_chance = 0.05,
-                            .spike_most = 3,
-                            .rows = flat_rows,
-                            .n_rows = 2},
-                  .random = random,
-                  .modes_tie = true};
-        duet_tune_def def = fake_def(&f);
-        same += strcmp(tune_fake(&f, &def).verdict, "same") == 0;
-        random = f.random;
-    }
-    print_message("%d of %d the same\n", same, TIMES);
-    assert_true(same >= 0.97 * TIMES);
+    const fake f = {.model = {.sigma = 0.03,
+                              .spike_chance = 0.05,
+                              .spike_most = 3,
+                              .rows = flat_rows,
+                              .n_rows = 2},
+                    .modes_tie = true};
+    assert_true(count(TIMES, f, is_the_same) >= 0.97 * TIMES);
+}
+
+static uint64_t tie_launches;
+
+static bool is_raced(const fake *f)
+{
+    tie_launches += f->launches;
+    return is_called(f, "faster") && simulated_excess(&f->model, f->got.plan.share) < 0.02;
 }
 
 // The rest of a race once it no longer matters who wins is not run.
 TEST(modes_that_tie_are_not_raced_to_the_end)
 {
     enum { TIMES = 50 };
-    rng random = rng_seed(test_seed());
-    uint64_t launches = 0;
-    for (int i = 0; i < TIMES; ++i) {
-        fake f = {.model = {.ratio = 1, .sigma = 0.01}, .random = random, .modes_tie = true};
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_fake(&f, &def);
-        assert_string_equal(outcome.verdict, "faster");
-        assert_true(simulated_excess(&f.model, outcome.plan.share) < 0.02);
-        launches += f.launches;
-        random = f.random;
-    }
-    print_message("%.0f launches each\n", (double)launches / TIMES);
-    assert_true(launches < 330 * TIMES); // 418 each in full races
+    const fake f = {.model = HALVES(0, 0.01), .modes_tie = true};
+    assert_int_equal(count(TIMES, f, is_raced), TIMES);
+    print_message("%.0f launches each\n", (double)tie_launches / TIMES);
+    assert_true(tie_launches < 330 * TIMES); // 418 each in full races
 }
 
 TEST(sharing_that_only_costs_chooses_the_better_single_device)
@@ -448,10 +456,8 @@ TEST(sharing_that_only_costs_chooses_the_better_single_device)
         fake f = {
             .model = {.ratio = ratios[i], .overhead = {0.4 * best, 0.4 * best}, .sigma = 0.02},
             .random = rng_seed(test_seed())};
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_fake(&f, &def);
-        assert_string_not_equal(outcome.verdict, "faster");
-        assert_int_equal(outcome.plan.share, i == 0 ? 0 : DUET_SHARE_ONE);
+        assert_int_equal(tune_fake(&f).plan.share, i == 0 ? 0 : DUET_SHARE_ONE);
+        assert_false(is_called(&f, "faster"));
     }
 }
 
@@ -463,55 +469,33 @@ TEST(the_tuned_plan_is_never_slower_than_a_single_device)
         f.model.sigma = 0.03;
         f.model.spike_chance = 0.03;
         f.model.spike_most = 3;
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_fake(&f, &def);
+        uint32_t share = tune_fake(&f).plan.share;
         double single = fmin((double)simulated_launch(&f.model, 0, NULL).total_ns,
                              (double)simulated_launch(&f.model, SEARCH_ONE, NULL).total_ns);
-        double tuned = (double)simulated_launch(&f.model, outcome.plan.share, NULL).total_ns;
-        assert_true(tuned <= 1.01 * single);
+        assert_true((double)simulated_launch(&f.model, share, NULL).total_ns <= 1.01 * single);
     }
 }
 
 TEST(each_device_gets_its_best_variant)
 {
-    static const char *const variants[] = {"slow", "broken", "auto", "wrong"};
-    fake f = {.model = {.ratio = 4, .sigma = 0.02}, .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    def.variants = variants;
-    def.n_variants = 4;
-    duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_string_equal(outcome.plan.variant_a, "auto");
-    assert_string_equal(outcome.plan.variant_b, "auto");
-    assert_true(fabs(outcome.plan.share / 65536.0 - 0.2) < 0.03);
+    fake f = {.model = {.ratio = 4, .sigma = 0.02},
+              .random = rng_seed(test_seed()),
+              .variants = {"slow", "broken", "auto", "wrong"}};
+    tune_fake(&f);
+    assert_true(has_kernels(&f, "auto", "auto") && off_share(&f, 0.2) < 0.03);
 }
 
 TEST(a_default_that_finds_wrong_pairs_ends_the_tuning)
 {
-    static const char *const wrong[] = {"wrong"};
-    fake f = {.model = {.ratio = 4}};
-    duet_tune_def def = fake_def(&f);
-    def.variants = wrong;
-    tune_problem problem = fake_task(&f, &def);
-    strcpy(problem.plan.variant_a, "wrong");
-    strcpy(problem.plan.variant_b, "wrong");
-    own(trial_log) kept = {0};
-    duet_tune_outcome outcome;
-    must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_WRONG_RESULT,
-              "result hash 0000000000000001");
+    fake f = {.model = {.ratio = 4}, .variants = {"wrong"}, .usual = "wrong"};
+    fail_fake(&f, DUET_STATUS_WRONG_RESULT, "result hash 0000000000000001");
     assert_int_equal(f.launches, 1);
 }
 
 TEST(nothing_that_builds_is_said_with_its_reason)
 {
-    static const char *const broken[] = {"broken"};
-    fake f = {.model = {.ratio = 4}};
-    duet_tune_def def = fake_def(&f);
-    def.variants = broken;
-    tune_problem problem = fake_task(&f, &def);
-    own(trial_log) kept = {0};
-    duet_tune_outcome outcome;
-    must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_BUILD_FAILED,
-              "broken does not build");
+    fake f = {.model = {.ratio = 4}, .variants = {"broken"}};
+    fail_fake(&f, DUET_STATUS_BUILD_FAILED, "broken does not build");
 }
 
 static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
@@ -530,17 +514,13 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
     uint64_t seed = test_seed();
     fake whole = {.model = {.ratio = 6, .overhead = {0.1, 0.05}, .sigma = 0.04},
                   .random = rng_seed(seed)};
-    duet_tune_def def = fake_def(&whole);
-    duet_tune_outcome expected = tune_fake(&whole, &def);
+    tune_fake(&whole);
     for (uint32_t stop = 1; stop <= 7; stop += 3) {
         fake f = {.model = whole.model, .random = rng_seed(seed), .stop_after = stop};
-        def.watch_context = &f;
-        tune_problem problem = fake_task(&f, &def);
         trial_log kept = {0};
-        duet_tune_outcome outcome;
         duet_error err = {0};
         uint32_t stops = 0;
-        while (!tune_run(&problem, &kept, &outcome, &err)) {
+        while (!run_fake(&f, &kept, &err)) {
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
             own(text) json = {0};
@@ -549,7 +529,7 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
             must(trial_log_from_json(&kept, text_chars(&json), ERR));
             assert_true(++stops < 500);
         }
-        assert_same(&outcome, &expected);
+        assert_same(&f.got, &whole.got);
         assert_int_equal(f.launches, whole.launches);
         trial_log_free(&kept);
     }
@@ -558,24 +538,22 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
 // Whatever is chosen from, from the least budget on.
 TEST(a_budget_ends_the_search_and_leaves_room_for_a_verdict)
 {
-    static const char *const variants[] = {"auto", "slow", "slow"};
-    static const duet_mode modes[] = {DUET_MODE_OWN, DUET_MODE_SLAB};
     static const char *const searches[] = {"balance", "fig12", "grid"};
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < 200; ++i) {
-        fake f = {.model = {.ratio = 0.3 + 4 * rng_unit(&r), .sigma = 0.03}, .random = r};
-        fake whole = {.model = {.ratio = 1}, .random = r};
-        duet_tune_def def = fake_def(&f);
-        def.strategy = searches[i % 3];
-        def.variants = variants;
-        def.n_variants = 1 + i % 2 * 2;
-        def.modes = modes;
-        def.n_modes = i / 2 % 3;
-        def.budget_trials = trial_budget_least(&def) + i % 20;
-        duet_tune_outcome outcome = i % 5 ? tune_fake(&f, &def) : tune_parts(&f, &whole, &def);
-        assert_string_not_equal(outcome.verdict, "ambiguous");
+        fake whole = {.model = {.ratio = 1}};
+        fake f = {.model = {.ratio = 0.3 + 4 * rng_unit(&r), .sigma = 0.03},
+                  .strategy = searches[i % 3],
+                  .variants = {"auto", i % 2 ? "slow" : NULL, "slow"},
+                  .modes = {DUET_MODE_OWN, DUET_MODE_SLAB},
+                  .n_modes = i / 2 % 3,
+                  .more_trials = 1 + i % 20,
+                  .whole = i % 5 ? NULL : &whole};
+        f.random = whole.random = r;
+        duet_tune_outcome outcome = tune_fake(&f);
+        assert_false(is_called(&f, "ambiguous"));
         assert_in_range(outcome.rounds, 8, 40);
-        assert_in_range(outcome.trials, 10, def.budget_trials);
+        assert_in_range(outcome.trials, 10, f.budget_trials);
         assert_true(outcome.step_ms > 0);
         assert_int_equal(outcome.whole_ms > 0, i % 5 == 0);
         r = f.random;
@@ -585,15 +563,9 @@ TEST(a_budget_ends_the_search_and_leaves_room_for_a_verdict)
 // A step takes 10 ms alone.
 TEST(seconds_that_cannot_do_are_refused_after_the_first_trial)
 {
-    fake f = {.model = {.ratio = 3}};
-    duet_tune_def def = fake_def(&f);
-    tune_problem problem = fake_task(&f, &def);
-    own(trial_log) kept = {0};
-    duet_tune_outcome outcome;
-    def.budget_seconds = 1e-3;
-    must_fail(tune_run(&problem, &kept, &outcome, ERR), DUET_STATUS_BAD_ARGUMENT,
-              "a budget of 0.001 s ends before a verdict");
-    assert_int_equal(kept.n, 1);
+    fake f = {.model = {.ratio = 3}, .budget_seconds = 1e-3};
+    assert_int_equal(
+        fail_fake(&f, DUET_STATUS_BAD_ARGUMENT, "a budget of 0.001 s ends before a verdict"), 1);
 }
 
 // ---------------------------------------------------------------- parts of one device
@@ -603,72 +575,60 @@ TEST(parts_are_raced_against_the_undivided_device)
     rng r = rng_seed(test_seed());
     static const double slower[] = {0.25, 4}; // than A and B: both times of the whole
     for (int i = 0; i < 2; ++i) {
-        fake f = {.model = {.ratio = 1, .sigma = 0.02}, .random = r};
-        fake whole = {.model = {.ratio = 1, .sigma = 0.02}, .random = r, .factor = slower[i]};
-        duet_tune_def def = fake_def(&f);
-        duet_tune_outcome outcome = tune_parts(&f, &whole, &def);
-        assert_string_equal(outcome.verdict, "faster");
+        fake whole = {.model = HALVES(0, 0.02), .random = r, .factor = slower[i]};
+        fake f = {.model = HALVES(0, 0.02), .random = r, .whole = &whole};
+        duet_tune_outcome outcome = tune_fake(&f);
+        assert_true(is_called(&f, "faster"));
         assert_true(i == 0 ? outcome.whole_gain_high < 0 : outcome.whole_gain_low > 0);
         assert_true(fabs((1 + outcome.whole_gain) * outcome.step_ms - outcome.whole_ms) <
                     0.1 * outcome.whole_ms);
         assert_int_equal(outcome.launches, f.launches + whole.launches);
         assert_in_range(whole.launches, 8, 80);
-        assert_true(isnan(tune_fake(&f, &def).whole_ms));
+        f.whole = NULL;
+        assert_true(isnan(tune_fake(&f).whole_ms));
     }
 }
 
 TEST(one_device_gets_its_best_kernels_and_no_share)
 {
-    static const char *const variants[] = {"slow", "auto"};
-    fake f = {.model = {.ratio = 1, .sigma = 0.02}, .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    def.variants = variants;
-    def.n_variants = 2;
-    tune_problem problem = fake_task(&f, &def);
-    problem.one_device = true;
-    duet_tune_outcome outcome = tune_problem_fake(&problem);
+    fake f = {.model = HALVES(0, 0.02),
+              .random = rng_seed(test_seed()),
+              .variants = {"slow", "auto"},
+              .one_device = true};
+    duet_tune_outcome outcome = tune_fake(&f);
     assert_int_equal(outcome.plan.share, 0);
-    assert_string_equal(outcome.plan.variant_a, "auto");
-    assert_string_equal(outcome.plan.variant_b, "auto");
-    assert_string_equal(outcome.verdict, "same");
+    assert_true(has_kernels(&f, "auto", "auto") && is_called(&f, "same"));
     assert_true(outcome.gain == 0 && outcome.step_low_ms < outcome.step_high_ms);
     assert_in_range(f.launches, 20, 100);
-    strcpy(problem.plan.variant_b, "slow");
-    assert_string_equal(tune_problem_fake(&problem).plan.variant_b, "auto");
+    f.usual_b = "slow";
+    assert_string_equal(tune_fake(&f).plan.variant_b, "auto");
+}
+
+static bool left_the_usual_kernels(const fake *f)
+{
+    return strcmp(f->got.plan.variant_b, "auto") != 0;
 }
 
 // Luck in a quick race is no reason to leave the usual kernels.
 TEST(one_device_keeps_its_usual_kernels_unless_others_are_surely_faster)
 {
     enum { TIMES = 200 };
-    static const char *const variants[] = {"auto", "other", "another"};
-    fake f = {.model = {.ratio = 1, .sigma = 0.1}, .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    def.variants = variants;
-    def.n_variants = 3;
-    tune_problem problem = fake_task(&f, &def);
-    problem.one_device = true;
-    int left = 0;
-    for (int i = 0; i < TIMES; ++i)
-        left += strcmp(tune_problem_fake(&problem).plan.variant_b, "auto") != 0;
-    print_message("%d of %d left the usual kernels\n", left, TIMES);
-    assert_in_range(left, 0, 0.03 * TIMES);
+    const fake f = {
+        .model = HALVES(0, 0.1), .variants = {"auto", "other", "another"}, .one_device = true};
+    assert_in_range(count(TIMES, f, left_the_usual_kernels), 0, 0.03 * TIMES);
 }
 
 // However long its kernels race.
 TEST(a_budget_leaves_an_only_device_its_time)
 {
-    static const char *const variants[] = {"auto", "other"};
-    fake f = {.model = {.ratio = 1, .sigma = 0.2}, .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    def.variants = variants;
-    def.n_variants = 2;
-    tune_problem problem = fake_task(&f, &def);
-    problem.one_device = true;
+    fake f = {.model = HALVES(0, 0.2),
+              .random = rng_seed(test_seed()),
+              .variants = {"auto", "other"},
+              .one_device = true};
     for (uint32_t i = 0; i < 50; ++i) {
-        def.budget_trials = trial_budget_least(&def) + i % 40;
-        duet_tune_outcome outcome = tune_problem_fake(&problem);
-        assert_in_range(outcome.trials, 8, def.budget_trials);
+        f.more_trials = 1 + i % 40;
+        duet_tune_outcome outcome = tune_fake(&f);
+        assert_in_range(outcome.trials, 8, f.budget_trials);
         assert_true(outcome.step_low_ms > 0 && outcome.step_low_ms < outcome.step_high_ms);
     }
 }
@@ -709,16 +669,15 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
 {
     static budget_watch stops = {.stopped = is_stopped};
     fake f = {.model = {.ratio = 3}};
-    duet_tune_def def = fake_def(&f);
-    tune_problem problem = fake_task(&f, &def);
-    problem.machine.launch = launch_stopped;
-    problem.recorder = (tune_recorder){&f, count_recorded};
+    question q;
+    ask_fake(&f, &q);
+    q.problem.machine.launch = launch_stopped;
+    q.problem.recorder = (tune_recorder){&f, count_recorded};
     own(trial_log) kept = {0};
-    duet_tune_outcome outcome;
     duet_error err = {0};
     stopped_now = false;
     budget_set_watch(&stops);
-    bool ran = tune_run(&problem, &kept, &outcome, &err);
+    bool ran = tune_run(&q.problem, &kept, &f.got, &err);
     budget_set_watch(NULL);
     assert_false(ran);
     assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
@@ -729,108 +688,81 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
 
 TEST(a_start_from_a_neighbour_saves_trials)
 {
-    fake f = {.model = {.ratio = 9, .overhead = {0.05, 0.05}}};
-    duet_tune_def def = fake_def(&f);
-    tune_problem problem = fake_task(&f, &def);
-    problem.start = SEARCH_ONE / 10;
+    fake f = {.model = {.ratio = 9, .overhead = {0.05, 0.05}}, .start = SEARCH_ONE / 10};
     own(trial_log) kept = {0};
-    duet_tune_outcome outcome;
-    must(tune_run(&problem, &kept, &outcome, ERR));
-    assert_int_equal(kept.entries[1].plan.share, problem.start);
+    must(run_fake(&f, &kept, ERR));
+    assert_int_equal(kept.entries[1].plan.share, SEARCH_ONE / 10);
 }
 
 TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
 {
     fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
-    duet_tune_def def = fake_def(&f);
-    tune_problem problem = fake_task(&f, &def);
     own(trial_log) kept = {0};
-    duet_tune_outcome outcome;
-    must(tune_run(&problem, &kept, &outcome, ERR));
+    must(run_fake(&f, &kept, ERR));
     kept.entries[2].plan.share += 5;
     uint32_t known = kept.entries[0].launches + kept.entries[1].launches;
     uint32_t before = f.launches;
-    must(tune_run(&problem, &kept, &outcome, ERR));
-    assert_int_equal(f.launches - before, outcome.launches - known);
+    must(run_fake(&f, &kept, ERR));
+    assert_int_equal(f.launches - before, f.got.launches - known);
 }
 
-static fake halves(uint64_t seed)
+static fake halves(uint64_t seed, double disturbed, uint32_t looks, double wait_seconds)
 {
-    return (fake){.model = {.ratio = 1, .sigma = 0.01}, .random = rng_seed(seed)};
+    return (fake){.model = HALVES(0, 0.01),
+                  .random = rng_seed(seed),
+                  .disturbed = disturbed,
+                  .looks = looks,
+                  .wait_seconds = wait_seconds};
 }
 
 // Times of a disturbed launch are narrow and wrong: repeated ones must not count.
 TEST(launches_that_other_programs_disturb_do_not_count)
 {
     uint64_t seed = test_seed();
-    fake f = halves(seed);
-    f.disturbed = 0.6;
-    f.looks = UINT32_MAX;
-    duet_tune_def def = fake_def(&f);
-    def.wait_seconds = 1e6;
-    duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_string_equal(outcome.verdict, "faster");
+    fake f = halves(seed, 0.6, UINT32_MAX, 1e6);
+    duet_tune_outcome outcome = tune_fake(&f);
+    assert_true(is_called(&f, "faster"));
     assert_in_range(outcome.plan.share, DUET_SHARE_ONE * 47 / 100, DUET_SHARE_ONE * 53 / 100);
     assert_true(outcome.disturbed > 0 && outcome.disturbed < outcome.watched);
     // Unchanged, they hide what sharing gains.
-    f = halves(seed);
-    f.disturbed = 1;
-    f.looks = UINT32_MAX;
-    def.wait_seconds = 0;
-    assert_string_not_equal(tune_fake(&f, &def).verdict, "faster");
+    f = halves(seed, 1, UINT32_MAX, 0);
+    tune_fake(&f);
+    assert_false(is_called(&f, "faster"));
 }
 
 TEST(a_tuning_waits_until_other_programs_are_gone)
 {
-    fake f = halves(test_seed());
-    f.disturbed = 1;
-    f.looks = 4;
-    duet_tune_def def = fake_def(&f);
-    def.wait_seconds = 1e6;
-    duet_tune_outcome outcome = tune_fake(&f, &def);
-    assert_string_equal(outcome.verdict, "faster");
+    fake f = halves(test_seed(), 1, 4, 1e6);
+    assert_true(tune_fake(&f).disturbed > 0 && is_called(&f, "faster"));
     assert_in_range(f.waits, 1, 4);
-    assert_true(outcome.disturbed > 0);
 }
 
 TEST(a_tuning_that_waited_in_vain_is_ambiguous_and_goes_on_later)
 {
-    uint64_t seed = test_seed();
-    fake f = halves(seed);
-    f.disturbed = 1;
-    f.looks = UINT32_MAX;
-    duet_tune_def def = fake_def(&f);
-    def.wait_seconds = 0.25;
-    tune_problem problem = fake_task(&f, &def);
+    fake f = halves(test_seed(), 1, UINT32_MAX, 0.25);
     own(trial_log) log = {0};
-    duet_tune_outcome outcome;
-    must(tune_run(&problem, &log, &outcome, ERR));
-    assert_true(tune_gave_up(&outcome));
-    assert_string_equal(outcome.verdict, "ambiguous");
-    assert_string_equal(outcome.unused, "other programs had 1.0 of 2 cores");
+    must(run_fake(&f, &log, ERR));
+    assert_true(tune_gave_up(&f.got) && is_called(&f, "ambiguous"));
+    assert_string_equal(f.got.unused, "other programs had 1.0 of 2 cores");
     assert_true(f.waits > 0);
     uint32_t kept = log.n;
     for (uint32_t i = 0; i < kept; ++i)
         assert_true(log.entries[i].plan.share == 0 || log.entries[i].plan.share == DUET_SHARE_ONE);
     f.looks = 0;
-    must(tune_run(&problem, &log, &outcome, ERR));
-    assert_string_equal(outcome.verdict, "faster");
-    assert_true(log.n > kept);
+    must(run_fake(&f, &log, ERR));
+    assert_true(is_called(&f, "faster") && log.n > kept);
 }
 
 // The machine is then as quiet as it can be: its threads are in each other's way.
 TEST(launches_that_no_other_program_disturbs_count_in_the_end)
 {
-    fake f = halves(test_seed());
-    f.disturbed = 1;
-    f.looks = UINT32_MAX;
-    duet_tune_def def = fake_def(&f);
-    def.wait_seconds = 1e6;
-    tune_problem problem = fake_task(&f, &def);
-    problem.machine.look_at_others = NULL;
-    duet_tune_outcome outcome = tune_problem_fake(&problem);
-    assert_string_not_equal(outcome.verdict, "faster");
-    assert_false(tune_gave_up(&outcome));
+    fake f = halves(test_seed(), 1, UINT32_MAX, 1e6);
+    question q;
+    own(trial_log) log = {0};
+    ask_fake(&f, &q);
+    q.problem.machine.look_at_others = NULL;
+    must(tune_run(&q.problem, &log, &f.got, ERR));
+    assert_false(is_called(&f, "faster") || tune_gave_up(&f.got));
     assert_int_equal(f.waits, 0);
 }
 
