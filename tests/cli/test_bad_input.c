@@ -56,10 +56,7 @@ TEST(what_a_reader_refuses_is_one_line)
 // An endless file is left at the first byte or line that no text has.
 TEST(what_is_no_text_is_refused_at_once)
 {
-    static const struct {
-        const char *command;
-        const char *says;
-    } wrong[] = {
+    static const char *const wrong[][2] = {
         {"run /dev/zero", "/dev/zero: byte 0 is NUL"},
         {"run - </dev/zero", "stdin: byte 0 is NUL"},
         {"query /dev/zero", "/dev/zero: byte 0 is NUL"},
@@ -71,8 +68,7 @@ TEST(what_is_no_text_is_refused_at_once)
         {"profiles import /dev/zero", "/dev/zero"},
     };
     skip_without_device("/dev/zero");
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-        program_assert_refused(program_run("%s", wrong[i].command), 1, wrong[i].says);
+    program_assert_refused_by(1, wrong);
 }
 
 TEST(a_line_that_is_too_long_is_refused)

@@ -69,24 +69,19 @@ TEST(a_checkpoint_goes_on_from_its_step_on_other_devices)
 
 TEST(checkpoints_that_cannot_be_used_are_refused)
 {
-    static const struct {
-        const char *arguments, *says;
-        int status;
-    } lines[] = {
-        {"run " SCENE " --steps 9 --every 2", "--checkpoint", 2},
-        {"run " SCENE " --steps 9 --checkpoint x", "--every", 2},
-        {"run " SCENE " --resume x", "--steps", 2},
-        {"run " SCENE " --steps 9 --resume no.motion", "no.motion: No such file", 1},
-        {"run " SCENE " --steps 9 --every 2 --checkpoint y --resume no.motion", "no.motion", 1},
-        {"run " SCENE " --steps 9 --resume " SAVED, "was saved at step 10", 2},
-        {"run marbles -n 20 --steps 30 --resume " SAVED, SAVED, 1},
+    static const program_refusal lines[] = {
+        {"run " SCENE " --steps 9 --every 2", 2, "--checkpoint"},
+        {"run " SCENE " --steps 9 --checkpoint x", 2, "--every"},
+        {"run " SCENE " --resume x", 2, "--steps"},
+        {"run " SCENE " --steps 9 --resume no.motion", 1, "no.motion: No such file"},
+        {"run " SCENE " --steps 9 --every 2 --checkpoint y --resume no.motion", 1, "no.motion"},
+        {"run " SCENE " --steps 9 --resume " SAVED, 2, "was saved at step 10"},
+        {"run marbles -n 20 --steps 30 --resume " SAVED, 1, SAVED},
     };
     char hash[32];
     double steps;
     get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i)
-        program_assert_refused(program_run("%s --json", lines[i].arguments), lines[i].status,
-                               lines[i].says);
+    program_assert_refusals("", " --json", lines);
 }
 
 TEST(a_checkpoint_that_is_cut_short_is_refused)

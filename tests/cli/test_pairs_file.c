@@ -184,11 +184,7 @@ TEST(the_program_writes_answers_and_separations)
 TEST(wrong_usage_is_told)
 {
     test_write_file("pairs.csv", TOUCHING);
-    static const struct {
-        const char *arguments;
-        int exit_code;
-        const char *says;
-    } wrong[] = {
+    static const program_refusal wrong[] = {
         {"query", 2, "PAIRS.npy|FILE"},
         {"query pairs.csv --separations", 2, "--separations does nothing without --output"},
         {"query pairs.csv --device pocl:0 --share 0.5", 2,
@@ -198,9 +194,7 @@ TEST(wrong_usage_is_told)
         {"query none.npy", 1, "none.npy: No such file"},
         {"query pairs.csv -o no/such/v.npy", 1, "no/such/v.npy: cannot be written"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
-        program_assert_refused(program_run("%s", wrong[i].arguments), wrong[i].exit_code,
-                               wrong[i].says);
+    program_assert_refusals("", "", wrong);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -91,8 +91,7 @@ TEST(wrong_usage_is_one_line_and_exit_2)
         {"\"$(printf 'a\\033b\\nc')\"", "there is no subcommand 'a\\x1bb\\x0ac'"},
         {"devices \"$(printf -- '--a\\033b\\nc')\"", "there is no option '--a\\x1bb\\x0ac'"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-        program_assert_refused(program_run("%s", wrong[i][0]), 2, wrong[i][1]);
+    program_assert_refused_by(2, wrong);
 }
 
 // Whoever looks the name up. A file that does not exist is a failure instead.
@@ -135,8 +134,7 @@ TEST(an_unknown_name_is_exit_2_in_every_subcommand)
         {"source bounds --set ABACUS=1", "no parameter 'ABACUS'"},
         {"source --check abacus", "no kernel 'abacus'"},
     };
-    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; ++i)
-        program_assert_refused(program_run("%s", unknown[i][0]), 2, unknown[i][1]);
+    program_assert_refused_by(2, unknown);
 }
 
 TEST(an_argument_too_many_is_unexpected_in_every_subcommand)
@@ -188,8 +186,7 @@ TEST(what_cannot_be_written_is_refused_before_the_work)
 
 static uint64_t objects_of(const char *arguments)
 {
-    program p = program_run("run --json --repeat 1 --share 0 %s", arguments);
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_run("run --json --repeat 1 --share 0 %s", arguments);
     return (uint64_t)json_number(o, "objects");
 }
 
@@ -288,8 +285,7 @@ TEST(an_empty_input_is_told_of)
 
 TEST(devices_are_listed_as_one_json_object)
 {
-    program p = program_run("devices --json");
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_run("devices --json");
     cJSON *devices = cJSON_GetObjectItemCaseSensitive(o, "devices");
     assert_true(cJSON_GetArraySize(devices) > 0);
     cJSON *selector = cJSON_GetObjectItemCaseSensitive(cJSON_GetArrayItem(devices, 0), "selector");

@@ -26,15 +26,10 @@ static int make_scene(void **state)
     return 0;
 }
 
-static cJSON *run_json(const char *arguments)
-{
-    program p = program_run("run --json %s", arguments);
-    return json_of_program(&p);
-}
-
 TEST(json_has_what_a_script_needs)
 {
-    cJSON *o = run_json(SCENE " --share 1/4 --mode own --variant auto --repeat 3 --check");
+    cJSON *o = json_of_run("run --json " SCENE
+                           " --share 1/4 --mode own --variant auto --repeat 3 --check");
     assert_int_equal(json_number(o, "objects"), 400);
     assert_int_equal(json_number(o, "dims"), 3);
     assert_true(json_number(o, "candidates") >= json_number(o, "pairs"));
@@ -74,19 +69,16 @@ TEST(share_is_a_decimal_or_a_fraction)
                   {"65536/65536", 1},
                   {"1e-1", 6554.0 / 65536}};
     for (size_t i = 0; i < sizeof shares / sizeof shares[0]; ++i) {
-        char arguments[128];
-        snprintf(arguments, sizeof arguments, SCENE " -n 20 --repeat 1 --share %s",
-                 shares[i].given);
-        cJSON *o = run_json(arguments);
+        cJSON *o = json_of_run("run --json " SCENE " -n 20 --repeat 1 --share %s", shares[i].given);
         assert_true(json_number(o, "share") == shares[i].share);
     }
 }
 
 TEST(n_and_seed_choose_the_scene)
 {
-    cJSON *a = run_json(SCENE " -n 300 --seed 5 --repeat 1");
-    cJSON *b = run_json(SCENE " --set n=300 --set seed=5 --repeat 1");
-    cJSON *c = run_json(SCENE " -n 300 --seed=6 --repeat 1");
+    cJSON *a = json_of_run("run --json " SCENE " -n 300 --seed 5 --repeat 1");
+    cJSON *b = json_of_run("run --json " SCENE " --set n=300 --set seed=5 --repeat 1");
+    cJSON *c = json_of_run("run --json " SCENE " -n 300 --seed=6 --repeat 1");
     assert_int_equal(json_number(a, "objects"), 300);
     assert_string_equal(json_string(a, "hash"), json_string(b, "hash"));
     assert_string_not_equal(json_string(a, "hash"), json_string(c, "hash"));
@@ -125,7 +117,7 @@ TEST(an_accuracy_that_no_profile_knows_is_told_of)
 
 TEST(the_pairs_file_holds_each_pair_once_ascending)
 {
-    cJSON *o = run_json(SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
+    cJSON *o = json_of_run("run --json " SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
     own(text) t = test_read_file("test_run.csv");
     uint64_t n = 0;
     uint64_t last = 0;
@@ -151,10 +143,9 @@ TEST(objects_in_order_keep_the_ids_of_the_scene)
     text lines[2] = {{0}};
     cJSON *o[2];
     for (int i = 0; i < 2; ++i) {
-        char arguments[160];
-        snprintf(arguments, sizeof arguments,
-                 SCENE " --pairs test_run.csv --check --repeat 2 --share 0.5 %s", orders[i]);
-        o[i] = run_json(arguments);
+        o[i] = json_of_run("run --json " SCENE
+                           " --pairs test_run.csv --check --repeat 2 --share 0.5 %s",
+                           orders[i]);
         must(text_read_file(&lines[i], "test_run.csv", ERR));
         assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(o[i], "ordered")), i);
     }
@@ -199,7 +190,8 @@ static void check_stage_times(const cJSON *o)
 
 TEST(timeline_shows_each_stage_where_it_was)
 {
-    cJSON *o = run_json(SCENE " --share 1/4 --mode own --repeat 3 --timeline test_run.svg");
+    cJSON *o = json_of_run("run --json " SCENE
+                           " --share 1/4 --mode own --repeat 3 --timeline test_run.svg");
     check_stage_times(o);
     text svg = {0};
     assert_true(text_read_file(&svg, "test_run.svg", NULL));
@@ -245,8 +237,7 @@ TEST(wrong_usage_is_one_line_and_exit_2)
         {"run " SCENE " --pair cpu --steps 1 --share 0.5", "--share: "},
         {"run " SCENE " --pair pocl:0,", "device pair 'pocl:0,': expected two selectors"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-        program_assert_refused(program_run("%s", wrong[i][0]), 2, wrong[i][1]);
+    program_assert_refused_by(2, wrong);
 }
 
 // On a slow machine nothing may have been timed yet, which is said in the same
@@ -254,7 +245,7 @@ TEST(wrong_usage_is_one_line_and_exit_2)
 // has complaints of its own.
 TEST(ctrl_c_shows_what_was_timed)
 {
-    run_json(SCENE " -n 3000 --repeat 20");
+    json_of_run("run --json " SCENE " -n 3000 --repeat 20");
     // in the foreground timeout(1) sends its signal once, as a person does
     program p = program_run_with("timeout --foreground --preserve-status -s INT 2",
                                  "run %s -n 3000 --repeat 100000 --json", SCENE);
@@ -276,9 +267,7 @@ TEST(a_level_is_compared_with_its_own_reference)
     double found[DUET_LEVELS];
     for (int l = 0; l < DUET_LEVELS; ++l) {
         const char *name = duet_level_get_info((duet_level)l)->name;
-        char arguments[80];
-        snprintf(arguments, sizeof arguments, SCENE " --check --repeat 1 --level %s", name);
-        cJSON *o = run_json(arguments);
+        cJSON *o = json_of_run("run --json " SCENE " --check --repeat 1 --level %s", name);
         assert_string_equal(json_string(o, "level"), name);
         found[l] = json_number(o, "pairs");
     }

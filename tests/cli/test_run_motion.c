@@ -110,11 +110,7 @@ TEST(json_says_what_the_table_does)
 
 TEST(what_cannot_be_drawn_is_refused_before_the_steps)
 {
-    static const struct {
-        const char *arguments;
-        int exit_code;
-        const char *says;
-    } wrong[] = {
+    static const program_refusal wrong[] = {
         {"run --picture x.png " SCENE, 2, "--picture does nothing without --steps"},
         {"run --frames x " SCENE, 2, "--frames does nothing without --steps"},
         {"run --steps 3 --format vtu " SCENE, 2, "--format does nothing without --frames"},
@@ -126,9 +122,7 @@ TEST(what_cannot_be_drawn_is_refused_before_the_steps)
         {"run --steps 1000000000 --json --format vtu --frames " SCENE " " SCENE, 1,
          SCENE "/bodies_00000.vtu"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-        program_assert_refused(program_run("%s", wrong[i].arguments), wrong[i].exit_code,
-                               wrong[i].says);
+    program_assert_refusals("", "", wrong);
 }
 
 TEST(what_is_of_a_scene_at_rest_is_refused_with_steps)

@@ -147,11 +147,7 @@ TEST(what_does_not_compile_is_told_with_our_file_and_line)
 
 TEST(wrong_usage_is_one_line)
 {
-    static const struct {
-        const char *arguments;
-        int exit_code;
-        const char *says;
-    } wrong[] = {
+    static const program_refusal wrong[] = {
         {"source", 2, "KERNEL is missing"},
         {"source --list --check", 2, "--check and --list do not go together"},
         {"source --list --set WG=1", 2, "--set and --list do not go together"},
@@ -164,9 +160,7 @@ TEST(wrong_usage_is_one_line)
         {"source nosuch --list", 2, "no kernel 'nosuch'; 'duet source --list' lists those there"},
         {"source scan --device abacus:0", 2, "no device 'abacus:0'"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
-        program_assert_refused(program_run("%s", wrong[i].arguments), wrong[i].exit_code,
-                               wrong[i].says);
+    program_assert_refusals("", "", wrong);
 }
 
 TEST_MAIN(find_data, NULL)

@@ -371,8 +371,7 @@ TEST(a_budget_of_trials_is_kept)
 // Beside each other the other way round, the devices are the same.
 static void assert_other_way_round_is_known(const char *search)
 {
-    program p = program_run("tune --pair 'pocl:0[2/2],pocl:0[1/2]' --json %s", search);
-    cJSON *root = json_of_program(&p);
+    cJSON *root = json_of_run("tune --pair 'pocl:0[2/2],pocl:0[1/2]' --json %s", search);
     const cJSON *row = cJSON_GetArrayItem(json_array(root, "workloads", 1), 0);
     assert_true(json_number(row, "launches") > 0);
     json_array(row, "kernels", 0);
@@ -484,11 +483,7 @@ TEST(a_motion_is_tuned_by_runs_and_run_follows)
 
 TEST(what_is_wrong_on_the_command_line_is_one_line)
 {
-    static const struct {
-        const char *arguments;
-        int exit_code;
-        const char *says;
-    } rows[] = {
+    static const program_refusal rows[] = {
         {"tune", 2, "give a scene"},
         {"tune " QUICK SCENE " -n 10,x", 2, "--objects '10,x'"},
         {"tune " QUICK SCENE " --pair cpu --strategy grid", 2, "is one device and has no share"},
@@ -518,9 +513,7 @@ TEST(what_is_wrong_on_the_command_line_is_one_line)
         {"tune " QUICK SCENE " --false-rate -1", 2, "--false-rate"},
         {"run --level sat6 --missed 0 " SCENE, 2, "--level sat6: give a level, or"},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
-        program_assert_refused(program_run("%s", rows[i].arguments), rows[i].exit_code,
-                               rows[i].says);
+    program_assert_refusals("", "", rows);
 }
 
 TEST(a_strategy_or_query_that_there_is_not_is_one_line)

@@ -302,9 +302,7 @@ TEST(a_recorded_hash_that_differs_is_told_last)
 
 TEST(wrong_command_lines_are_refused)
 {
-    static const struct {
-        const char *arguments, *says;
-    } lines[] = {
+    static const char *const lines[][2] = {
         {"verify " SCENE, "--steps is missing"},
         {"verify --steps 3", "SCENE|FILE"},
         {"verify " SCENE " --steps 3 --other-replay " PLAIN, "--replay"},
@@ -317,8 +315,7 @@ TEST(wrong_command_lines_are_refused)
         {"verify " SCENE " --steps 3 --variant-a foo", "duet: --variant-a: variant 'foo'"},
     };
     record(SCENE, PLAIN, NULL, 0, 0);
-    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i)
-        program_assert_refused(program_run("%s", lines[i].arguments), 2, lines[i].says);
+    program_assert_refused_by(2, lines);
 }
 
 TEST_MAIN(begin, end)

@@ -190,9 +190,8 @@ TEST(recorded_commands_are_given_to_ranks)
     record_commands();
     program one = program_run("run rough.lua --steps 20 --replay told.replay --json");
     for (int ranks = 2; ranks <= 3; ++ranks) {
-        program p = program_run(
+        cJSON *told = json_of_run(
             "cluster rough.lua --steps 20 --replay told.replay --check --ranks %d --json", ranks);
-        cJSON *told = json_of_program(&p);
         assert_true(cJSON_IsTrue(cJSON_GetObjectItem(told, "equal")));
         assert_string_equal(json_string(told, "hash"), json_string(json_of_program(&one), "hash"));
     }
@@ -517,11 +516,7 @@ TEST(a_forecast_takes_the_times_of_a_profile)
 TEST(a_platform_that_is_none_is_one_line)
 {
     skip_without("duet-simulate", "SimGrid");
-    static const struct {
-        const char *arguments;
-        int exit_code;
-        const char *says;
-    } wrong[] = {
+    static const program_refusal wrong[] = {
         {"no.xml --ranks 2 still", 1, "no.xml: No such file or directory"},
         {"/dev/null --ranks 2 still", 1, "/dev/null: no platform of SimGrid: "},
         {NO_ROUTE " --ranks 2 still", 1,
@@ -533,9 +528,7 @@ TEST(a_platform_that_is_none_is_one_line)
     };
     write_network();
     write_platform(NO_ROUTE, "<host id='a' speed='1Gf'/><host id='b' speed='1Gf'/>");
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
-        program_assert_refused(program_run("cluster --simulate %s", wrong[i].arguments),
-                               wrong[i].exit_code, wrong[i].says);
+    program_assert_refusals("cluster --simulate ", "", wrong);
 }
 
 // ---------------------------------------------------------------- what is told
@@ -581,8 +574,7 @@ TEST(each_rank_has_its_row_and_its_part_of_the_devices)
     cJSON *o = json_of_program(&p);
     const cJSON *rows = json_array(o, "ranks", 2);
     const cJSON *first = cJSON_GetArrayItem(rows, 0), *second = cJSON_GetArrayItem(rows, 1);
-    program list = program_run("devices --json");
-    cJSON *devices = json_of_program(&list);
+    cJSON *devices = json_of_run("devices --json");
     const cJSON *device = cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0);
     if (cJSON_GetArraySize(cJSON_GetObjectItem(devices, "devices")) == 1 &&
         json_number(device, "units") > 1)
@@ -598,8 +590,7 @@ TEST(each_rank_has_its_row_and_its_part_of_the_devices)
 TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
 {
     skip_without_mpi();
-    program list = program_run("devices --json");
-    cJSON *devices = json_of_program(&list);
+    cJSON *devices = json_of_run("devices --json");
     double units =
         json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0), "units");
     program p = program_done(
@@ -624,10 +615,9 @@ TEST(the_file_of_pairs_is_that_of_one_rank)
     skip_without_mpi();
     text files[2] = {{0}, {0}};
     for (int i = 0; i < 2; ++i) {
-        program p = program_run("cluster --plain --repeat 1 --json --ranks %d --sorted "
+        cJSON *o = json_of_run("cluster --plain --repeat 1 --json --ranks %d --sorted "
                                 "--pairs test_cluster.npy planes -n 90",
                                 2 * i + 1);
-        cJSON *o = json_of_program(&p);
         must(text_read_file(&files[i], "test_cluster.npy", ERR));
         assert_int_equal(files[i].length, 128 + 16 * (size_t)json_number(o, "pairs"));
         remove("test_cluster.npy");

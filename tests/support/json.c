@@ -26,6 +26,15 @@ cJSON *json_of_program(program *p)
     return json_of(p->out);
 }
 
+cJSON *json_of_run(const char *arguments, ...)
+{
+    va_list args;
+    va_start(args, arguments);
+    program p = program_run_list("", arguments, args);
+    va_end(args);
+    return json_of_program(&p);
+}
+
 double json_number(const cJSON *o, const char *key)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
@@ -60,8 +69,7 @@ const cJSON *json_array(const cJSON *o, const char *key, int n)
 
 void get_hash(const char *arguments, char hash[32], double *steps)
 {
-    program p = program_done(program_run("%s", arguments));
-    const cJSON *o = json_of_program(&p);
+    const cJSON *o = json_of_run("%s", arguments);
     snprintf(hash, 32, "%s", json_string(o, "hash"));
     *steps = json_number(o, "steps");
     assert_true(json_number(o, "step") == atof(strstr(arguments, "--steps ") + strlen("--steps ")));

@@ -14,7 +14,9 @@ cJSON *json_of(const char *chars);
 // The same of a program that went well and said nothing on stderr.
 cJSON *json_of_program(program *p);
 
-// Runs the program, whose JSON has the state hash of a motion and the step that it came to.
+// The same of the program with these arguments.
+cJSON *json_of_run(const char *arguments, ...) __attribute__((format(printf, 1, 2)));
+
 // Runs a command that moves a scene to step --steps: its state hash, and the steps that it made.
 void get_hash(const char *arguments, char hash[32], double *steps);
 

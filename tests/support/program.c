@@ -17,7 +17,7 @@ static char *take_file(const char *path)
     return test_keep(t.chars, free);
 }
 
-static program run(const char *variables, const char *format, va_list args)
+program program_run_list(const char *variables, const char *format, va_list args)
 {
     const char *path = getenv("DUET_PROGRAM");
     if (!path)
@@ -42,7 +42,7 @@ program program_run(const char *arguments, ...)
 {
     va_list args;
     va_start(args, arguments);
-    program p = run("", arguments, args);
+    program p = program_run_list("", arguments, args);
     va_end(args);
     return p;
 }
@@ -51,7 +51,7 @@ program program_run_with(const char *variables, const char *arguments, ...)
 {
     va_list args;
     va_start(args, arguments);
-    program p = run(variables, arguments, args);
+    program p = program_run_list(variables, arguments, args);
     va_end(args);
     return p;
 }
@@ -70,6 +70,16 @@ void program_assert_refused(program p, int exit_code, const char *says)
     if (p.exit_code != exit_code || !one_line || *p.out || !strstr(p.err, says))
         fail_msg("exit %d for %d, '%s' for a line with '%s', stdout '%.200s'", p.exit_code,
                  exit_code, p.err, says, p.out);
+}
+
+void program_assert_each_refused(const char *before, const char *after, const program_refusal *rows,
+                                 size_t n)
+{
+    for (size_t i = 0; i < n; ++i) {
+        print_message("duet %s%s%s\n", before, rows[i].arguments, after);
+        program_assert_refused(program_run("%s%s%s", before, rows[i].arguments, after),
+                               rows[i].exit_code, rows[i].says);
+    }
 }
 
 pid_t program_start(const char *err, const char *arguments)

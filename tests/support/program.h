@@ -3,6 +3,7 @@
 #ifndef TESTS_PROGRAM_H
 #define TESTS_PROGRAM_H
 
+#include <stdarg.h>
 #include <sys/types.h>
 
 typedef struct program {
@@ -19,12 +20,33 @@ program program_run(const char *arguments, ...) __attribute__((format(printf, 1,
 program program_run_with(const char *variables, const char *arguments, ...)
     __attribute__((format(printf, 2, 3)));
 
+program program_run_list(const char *variables, const char *arguments, va_list args);
+
 // Fails the test unless the program ended with 0. Returns it.
 program program_done(program p);
 
 // Fails the test unless the program ended so, with nothing on stdout and one
 // line on stderr that says it.
 void program_assert_refused(program p, int exit_code, const char *says);
+
+// Fails the test unless each row's command line, between `before` and `after`, is refused so;
+// prints them.
+typedef struct program_refusal {
+    const char *arguments;
+    int exit_code;
+    const char *says;
+} program_refusal;
+
+void program_assert_each_refused(const char *before, const char *after, const program_refusal *rows,
+                                 size_t n);
+#define program_assert_refusals(before, after, rows) \
+    program_assert_each_refused(before, after, rows, sizeof(rows) / sizeof *(rows))
+
+// The same of {arguments, says}, all of that exit code.
+#define program_assert_refused_by(code, rows)                     \
+    for (size_t i_ = 0; i_ < sizeof(rows) / sizeof *(rows); ++i_) \
+    program_assert_each_refused("", "",                           \
+                                &(const program_refusal){(rows)[i_][0], code, (rows)[i_][1]}, 1)
 
 // Starts the program, whose stdout nobody reads, and whose stderr goes to a file. Returns its
 // process, for which the caller waits.
