@@ -237,8 +237,8 @@ static bool may_hope(const duet_motion *m)
 static bool send_whole(duet_motion *m, duet_error *err)
 {
     m->solver.hopes = 1;
-    bool ok =
-        motion_begin_manifolds(m, err) && motion_begin_colours(m, err) && end_response(m, err);
+    bool ok = timeline_hold(&m->times, err) && motion_begin_manifolds(m, err) &&
+              motion_begin_colours(m, err) && end_response(m, err);
     m->solver.hopes = 0;
     return ok;
 }
