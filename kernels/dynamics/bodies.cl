@@ -115,6 +115,8 @@ static inline float fastest_square(const state *s, uint id, float4 velocity, flo
 __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     const state s = {FINALIZE_BODIES_VALUES};
+    if (WAITS_FOR_HOST)
+        return;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
     for (uint k = first; k < last; ++k) {

@@ -36,6 +36,8 @@ return {
       float h
     ]],
     finalize_bodies = [[
+      uint hopes
+      const uint *flags
       const float4 *bodies
       uint n
       real4 *centres

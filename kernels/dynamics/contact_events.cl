@@ -113,6 +113,8 @@ static inline bool is_touching(__global const float *record, uint points)
 __kernel void contact_events(CONTACT_EVENTS_ARGS)
 {
     const events e = {CONTACT_EVENTS_VALUES};
+    if (WAITS_FOR_HOST)
+        return;
     uint n_words = (n_contacts + 31) / 32;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_words);

@@ -16,6 +16,8 @@ return {
       const float *contacts
       uint n_contacts
       uint *touching
+      uint hopes
+      volatile uint *flags
       const uint2 *links                if HITS == 1
       uint n                            if HITS == 1
       uint carrier  only if HITS * CARRIED == 1
@@ -25,7 +27,6 @@ return {
       const real4 *angular_velocities   if HITS * ANGULAR_VELOCITY == 1
       float hit_speed                   if HITS == 1
       uint *hits                        if HITS == 1
-      volatile uint *flags              if HITS == 1
     ]],
   },
   valid = function(p, limits)

@@ -138,6 +138,8 @@ __kernel void compute_fat_aabbs(COMPUTE_FAT_AABBS_ARGS)
 __kernel void check_fat_aabbs(CHECK_FAT_AABBS_ARGS)
 {
     const bodies_at s = {CHECK_FAT_AABBS_VALUES};
+    if (WAITS_FOR_HOST)
+        return;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, SLEEP && !of_all ? N_AWAKE : n);
     bool inside = true;

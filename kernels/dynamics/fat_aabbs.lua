@@ -46,6 +46,7 @@ return {
       const uint *n_listed     if SLEEP == 1
       uint all_awake           if SLEEP == 1
       const float *boxes
+      uint hopes
       volatile uint *flags
     ]],
   },

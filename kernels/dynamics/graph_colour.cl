@@ -50,6 +50,8 @@ static inline void mark_contacts(const colouring *c, uint first, uint last)
 __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
 {
     const colouring c = {GRAPH_COLOUR_MARK_VALUES};
+    if (WAITS_FOR_LISTS)
+        return;
     uint first = get_global_id(0) * PER_ITEM;
     mark_contacts(&c, first, min(first + PER_ITEM, N_AWAKE_CONTACTS));
 }
@@ -150,6 +152,8 @@ __kernel void colour_contacts(COLOUR_CONTACTS_ARGS)
 {
     const colouring c = {COLOUR_CONTACTS_VALUES};
     team_member t = TEAM_MEMBER;
+    if (WAITS_FOR_LISTS)
+        return;
     uint n_bodies = N_AWAKE, n_here = N_AWAKE_CONTACTS, part;
     uint by_contacts = parts_of(&t, n_here, TEAM_LEAST_BODIES), by_bodies = parts_of(&t, n_bodies, TEAM_LEAST_BODIES);
     IN_STAGE(&t, &part, by_contacts) {

@@ -21,6 +21,7 @@ return {
       const float *sensors  if SENSORS == 1
       uint *colours
       volatile uint *choices
+      uint hopes
       volatile uint *flags
     ]],
     graph_colour_choose = [[
@@ -83,6 +84,7 @@ return {
       uint *key_counts
       uint *key_starts
       uint *list
+      uint hopes
       volatile uint *flags
       volatile uint *team
       uint stage

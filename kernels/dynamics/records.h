@@ -157,6 +157,12 @@
 #define FLAG_WOKE 8        // something woke
 #define FLAGS 9
 
+// A step may be sent whole, before the host knows whether it goes as the last one did (`hopes`, motion_step.c). If
+// something wakes or falls asleep, nothing has a colour yet; that, a contact with another colour and what is to be pushed
+// apart keep all that comes later from its work. A kernel that names these takes `hopes` and `flags` as arguments.
+#define WAITS_FOR_LISTS (hopes && flags[FLAG_FELL_ASLEEP])
+#define WAITS_FOR_HOST (hopes && (flags[FLAG_FELL_ASLEEP] || flags[FLAG_RECOLOURED] || flags[FLAG_PRESSED]))
+
 // Steps that bounds last at least for a body that keeps its velocity, where there is a skin.
 #define LEAST_HORIZON 3
 

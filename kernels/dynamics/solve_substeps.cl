@@ -67,6 +67,8 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     sweep parts = SWEEP;
     colour_part part;
     uint2 range;
+    if (WAITS_FOR_HOST)
+        return;
     for (uint pass = from_pass; pass < to_pass; ++pass) {
         s.soft = pass & 1u;
         if (pass > 0 && pass <= 2 * substeps) {

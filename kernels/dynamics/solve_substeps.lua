@@ -28,6 +28,8 @@ return {
       uint from_pass
       uint to_pass
       uint substeps
+      uint hopes
+      const uint *flags
       float *blocks
       volatile uint *team     if TEAM == 1 or MEET == 1
       uint stage              if TEAM == 1

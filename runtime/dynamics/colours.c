@@ -122,21 +122,21 @@ static bool list_none(duet_motion *m)
 // to take at most.
 enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2, MOST_ROUNDS = 1024 };
 
+// Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
 static bool launch_colouring(duet_motion *m, duet_error *err)
 {
+    m->solver.sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
     return reserve_lists(m, err) &&
            motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
            team_launch(m, "graph_colour", m->kernels.colour_contacts, m->awake.n_contacts,
                        LEAST_CONTACTS, SORT_STAGES + ROUND_STAGES * MOST_ROUNDS, err);
 }
 
-// Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
-static bool colour_by_team(duet_motion *m, duet_error *err)
+static bool take_colouring(duet_motion *m, duet_error *err)
 {
     contact_solver *s = &m->solver;
     uint32_t starts[KEYS + 1];
-    s->sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
-    if (!launch_colouring(m, err) || !motion_start_flags(m, err) ||
+    if (!motion_start_flags(m, err) ||
         !timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts,
                        err))
         return false;
@@ -152,17 +152,24 @@ static bool colour_by_team(duet_motion *m, duet_error *err)
     return use_colours(m, err);
 }
 
+bool motion_begin_colours(duet_motion *m, duet_error *err)
+{
+    if (m->graph.n_contacts == 0)
+        return true;
+    if (team_takes(m->kernels.colour_contacts))
+        return launch_colouring(m, err);
+    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts, err);
+}
+
 // A motion whose colours changed in the last step mostly changes them again: then the contacts are
 // sorted anew without waiting for the device to say so.
-bool motion_make_colours(duet_motion *m, duet_error *err)
+bool motion_end_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
     if (team_takes(m->kernels.colour_contacts))
-        return colour_by_team(m, err);
-    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts,
-                         err) &&
-           (m->solver.rounds > 0 || keep_colours(m, err)) &&
+        return take_colouring(m, err);
+    return (m->solver.rounds > 0 || keep_colours(m, err)) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
 

@@ -22,11 +22,20 @@ static bool prepare_woken(duet_motion *m, duet_error *err)
     return prepare_bodies(m, 1, err) && find_manifolds(m, 1, err);
 }
 
-// Lists, if there are any, get what woke.
-static bool wake_touched(duet_motion *m, duet_error *err)
+bool motion_begin_manifolds(duet_motion *m, duet_error *err)
 {
-    if (!motion_launch(m, "sleep", m->kernels.update_sleep, m->awake.n_bodies, err))
-        return false;
+    product_renew(&m->products, PRODUCT_MANIFOLDS);
+    return (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || prepare_bodies(m, 0, err)) &&
+           find_manifolds(m, 0, err) &&
+           (!(m->effects & DUET_EFFECT_SLEEP) ||
+            motion_launch(m, "sleep", m->kernels.update_sleep, m->awake.n_bodies, err));
+}
+
+// Lists, if there are any, get what woke.
+bool motion_end_manifolds(duet_motion *m, duet_error *err)
+{
+    if (!(m->effects & DUET_EFFECT_SLEEP))
+        return true;
     if (m->awake.all_awake)
         return prepare_woken(m, err);
     if (!motion_read_flags(m, err))
@@ -34,13 +43,6 @@ static bool wake_touched(duet_motion *m, duet_error *err)
     motion_count_awake(m);
     return (!m->flags[FLAG_WOKE] || motion_list_woken(m, err)) &&
            (!m->flags[FLAG_FELL_ASLEEP] || prepare_woken(m, err));
-}
-
-bool motion_make_manifolds(duet_motion *m, duet_error *err)
-{
-    product_renew(&m->products, PRODUCT_MANIFOLDS);
-    return (!(m->effects & DUET_EFFECT_CONTACT_RESPONSE) || prepare_bodies(m, 0, err)) &&
-           find_manifolds(m, 0, err) && (!(m->effects & DUET_EFFECT_SLEEP) || wake_touched(m, err));
 }
 
 // ---------------------------------------------------------------- stage by stage

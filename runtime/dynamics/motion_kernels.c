@@ -86,6 +86,7 @@ const binding motion_bindings[] = {
     VALUE_OF(graph, of_all),
     VALUE_OF(awake, all_awake),
     VALUE_OF(awake, n_parts),
+    VALUE_OF(solver, hopes),
     VALUE_OF(solver, woken),
     VALUE_OF(solver, soft),
     VALUE_OF(solver, span),

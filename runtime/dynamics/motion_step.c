@@ -142,6 +142,16 @@ static void set_args(duet_motion *m)
 
 // ---------------------------------------------------------------- products
 
+static bool make_manifolds(duet_motion *m, duet_error *err)
+{
+    return motion_begin_manifolds(m, err) && motion_end_manifolds(m, err);
+}
+
+static bool make_colours(duet_motion *m, duet_error *err)
+{
+    return motion_begin_colours(m, err) && motion_end_colours(m, err);
+}
+
 // Makes a product, after those before it, if it is not right. Altered bodies come first: a check of
 // bounds is of all bodies.
 static bool ensure(duet_motion *m, product_name which, duet_error *err)
@@ -149,8 +159,8 @@ static bool ensure(duet_motion *m, product_name which, duet_error *err)
     static bool (*const make[PRODUCTS])(duet_motion *, duet_error *) = {
         [PRODUCT_BODIES] = motion_bound_altered, [PRODUCT_BOUNDS] = motion_make_bounds,
         [PRODUCT_PAIRS] = motion_make_pairs,     [PRODUCT_ROWS] = motion_make_rows,
-        [PRODUCT_AWAKE] = motion_make_awake,     [PRODUCT_MANIFOLDS] = motion_make_manifolds,
-        [PRODUCT_COLOURS] = motion_make_colours,
+        [PRODUCT_AWAKE] = motion_make_awake,     [PRODUCT_MANIFOLDS] = make_manifolds,
+        [PRODUCT_COLOURS] = make_colours,
     };
     return (which == PRODUCT_BODIES || ensure(m, which - 1, err)) &&
            (product_is_right(&m->products, which) || make[which](m, err));
@@ -184,13 +194,76 @@ static bool begin_apart(duet_motion *m, duet_error *err)
     return ok;
 }
 
+// Reads what the step leaves to be known: whether bounds still hold, what sleeps, and how many
+// events.
+static bool read_end(duet_motion *m, duet_error *err)
+{
+    bool checked = pushes(m) && m->kernels.check_fat_aabbs;
+    return (!checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))) ||
+           motion_read_flags(m, err);
+}
+
+static bool end_response(duet_motion *m, duet_error *err)
+{
+    return motion_solve(m, err) && motion_note_events(m, err) && motion_finalize(m, err) &&
+           (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err)) && read_end(m, err);
+}
+
+// ---------------------------------------------------------------- sent whole
+
+// Whether a product and all before it are right, but for the bodies.
+static bool hold_up_to(const duet_motion *m, product_name which)
+{
+    return which == PRODUCT_BODIES ||
+           (product_is_right(&m->products, which) && hold_up_to(m, which - 1));
+}
+
+// Whether a step with these flags leaves the lists and colours as they were, and nothing to push
+// apart (kernels/dynamics/records.h).
+static bool is_like_last(const duet_motion *m)
+{
+    return !m->flags[FLAG_FELL_ASLEEP] && !m->flags[FLAG_RECOLOURED] && !m->flags[FLAG_PRESSED];
+}
+
+// A step behind one that changed no list mostly changes none: then all of it is sent before the
+// host waits for the first time, which costs more than what few awake bodies need.
+static bool may_hope(const duet_motion *m)
+{
+    return hold_up_to(m, PRODUCT_AWAKE) && product_was_made(&m->products, PRODUCT_COLOURS) &&
+           !product_is_forgotten(&m->products, PRODUCT_COLOURS) && is_like_last(m) &&
+           motion_solves_at_once(m);
+}
+
+static bool send_whole(duet_motion *m, duet_error *err)
+{
+    m->solver.hopes = 1;
+    bool ok = timeline_hold(&m->times, err) && motion_begin_manifolds(m, err) &&
+              motion_begin_colours(m, err) && end_response(m, err);
+    m->solver.hopes = 0;
+    return ok;
+}
+
+// Goes on if the step is not like the last one: no kernel behind what differs has done anything.
+static bool go_on(duet_motion *m, duet_error *err)
+{
+    bool fell = m->flags[FLAG_FELL_ASLEEP];
+    return (!fell || (motion_end_manifolds(m, err) && motion_begin_colours(m, err))) &&
+           motion_end_colours(m, err) && end_response(m, err);
+}
+
 // With response what touches when the step begins is solved.
 static bool respond(duet_motion *m, duet_error *err)
 {
-    bool ok = begin_apart(m, err) && ensure(m, PRODUCT_COLOURS, err) && motion_solve(m, err) &&
-              motion_note_events(m, err) && motion_finalize(m, err);
+    if (!begin_apart(m, err))
+        return false;
+    bool hopes = may_hope(m);
+    bool ok = hopes ? send_whole(m, err) : ensure(m, PRODUCT_COLOURS, err) && end_response(m, err);
+    if (hopes && is_like_last(m))
+        product_keep(&m->products, PRODUCT_COLOURS);
+    else if (hopes)
+        ok = ok && go_on(m, err);
     products_move_bodies(&m->products);
-    return ok && (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err));
+    return ok;
 }
 
 static bool run_effects(duet_motion *m, duet_error *err)
@@ -201,25 +274,17 @@ static bool run_effects(duet_motion *m, duet_error *err)
     return motion_recall_events(m, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT) ||
             motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err)) &&
-           (pushes(m) ? respond(m, err) : fly(m, err));
+           (pushes(m) ? respond(m, err) : fly(m, err) && read_end(m, err));
 }
 
-// Reads what the step leaves to be known: whether bounds still hold, what sleeps, and how many
-// events.
-static bool read_end(duet_motion *m, duet_error *err)
+static void note_end(duet_motion *m)
 {
-    bool checked = pushes(m) && m->kernels.check_fat_aabbs;
-    if (!checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS)))
-        return true;
-    if (!motion_read_flags(m, err))
-        return false;
-    if (checked)
+    if (pushes(m) && m->kernels.check_fat_aabbs)
         motion_note_bounds(m);
     if (m->effects & DUET_EFFECT_SLEEP)
         motion_note_awake(m);
     if ((m->effects & DUET_EFFECT_SLEEP) && !m->flags[FLAG_AWAKE] && !m->flags[FLAG_FELL_ASLEEP])
         product_keep(&m->products, PRODUCT_BODIES);
-    return true;
 }
 
 // Nothing is sent to the device if nothing would change.
@@ -227,8 +292,11 @@ static bool run_step(duet_motion *m, duet_error *err)
 {
     bool moves = m->n > 0 && m->def.dt != 0.0 && m->effects != 0 &&
                  !product_is_right(&m->products, PRODUCT_BODIES);
-    return (!moves || (run_effects(m, err) && read_end(m, err))) &&
-           (!(m->effects & DUET_EFFECT_EVENTS) || motion_find_events(m, moves, err)) &&
+    if (moves && !run_effects(m, err))
+        return false;
+    if (moves)
+        note_end(m);
+    return (!(m->effects & DUET_EFFECT_EVENTS) || motion_find_events(m, moves, err)) &&
            (!moves || timeline_finish(&m->times, err));
 }
 

@@ -238,11 +238,15 @@ static bool run_substeps(duet_motion *m, duet_error *err)
     return ok;
 }
 
+bool motion_solves_at_once(const duet_motion *m)
+{
+    return takes_substeps(m, m->kernels.solve_substeps);
+}
+
 bool motion_solve(duet_motion *m, duet_error *err)
 {
-    const kernel *k = m->kernels.solve_substeps;
-    if (takes_substeps(m, k))
-        return solve_at_once(m, k, err);
+    if (motion_solves_at_once(m))
+        return solve_at_once(m, m->kernels.solve_substeps, err);
     return for_colours(m, m->kernels.prepare_contacts, err) && run_substeps(m, err) &&
            (!restores_speeds(m) || for_colours(m, m->kernels.apply_restitution, err)) &&
            store_impulses(m, err);

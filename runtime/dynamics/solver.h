@@ -32,6 +32,7 @@ typedef struct contact_solver {
     uint32_t n_blocks;
     uint32_t rounds; // that the next colouring sends at once; 0: the device is asked first
     // what a launch is told besides
+    cl_uint hopes; // 1: the step is sent whole (motion_step.c)
     cl_uint woken, soft, round;
     cl_uint sweep, first_sweep; // of shocks, counted on from substep to substep
     cl_uint sorts;              // 1: contacts are listed by colour even if none changed its colour
@@ -40,12 +41,19 @@ typedef struct contact_solver {
     cl_int4 span;               // from_colour's
 } contact_solver;
 
-bool motion_make_manifolds(duet_motion *m, duet_error *err);
-bool motion_make_colours(duet_motion *m, duet_error *err);
+// Each in two calls: what is sent before the host has to know anything, and what it then goes on
+// with.
+bool motion_begin_manifolds(duet_motion *m, duet_error *err);
+bool motion_end_manifolds(duet_motion *m, duet_error *err);
+bool motion_begin_colours(duet_motion *m, duet_error *err);
+bool motion_end_colours(duet_motion *m, duet_error *err);
 
 // With contact response: the substeps, of bodies and colours that are right; then what they leave
 // goes to the objects.
 bool motion_solve(duet_motion *m, duet_error *err);
+
+// Whether all of it is in launches that do nothing if the host has to go on first.
+bool motion_solves_at_once(const duet_motion *m);
 
 // Whether something elastic passes impacts on; the speeds that contacts return then need no more.
 bool motion_has_shocks(const duet_motion *m);

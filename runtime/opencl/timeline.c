@@ -90,20 +90,46 @@ bool timeline_is_over(timeline *t, cl_event event)
     return state_of(t, event) <= CL_COMPLETE;
 }
 
+// Before the host waits.
+static void let_go(timeline *t)
+{
+    if (!t->held)
+        return;
+    clSetUserEventStatus(t->held, CL_COMPLETE);
+    release(t->held);
+    t->held = NULL;
+}
+
 void timeline_spin(timeline *t, cl_event event)
 {
+    let_go(t);
     while (!timeline_is_over(t, event))
         sched_yield();
 }
 
+bool timeline_hold(timeline *t, duet_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    if (t->held || !(t->device->quirks & DRIVER_IN_PLACE))
+        return true;
+    t->held = clCreateUserEvent(t->device->context, &code);
+    if (!went_well(t, code, "making an event", err))
+        return false;
+    device_object_made();
+    t->sent = SENT_UNTOLD;
+    return timeline_follow(t, t->held, err);
+}
+
 bool timeline_flush(timeline *t, duet_error *err)
 {
+    let_go(t);
     return went_well(t, clFlush(t->device->queue), "flush", err);
 }
 
 // Both, though one fails: nothing may be under way that reads memory of the host.
 static cl_int finish_queues(timeline *t)
 {
+    let_go(t);
     cl_int code = clFinish(t->device->queue);
     cl_int beside = t->beside ? clFinish(t->device->beside) : CL_SUCCESS;
     t->beside = false;
@@ -279,6 +305,7 @@ static bool lies_still(const timeline *t, const buffer *b)
 // If kernels work in place, the host sees all once the queue is empty.
 static bool await_queue(timeline *t, duet_error *err)
 {
+    let_go(t);
     cl_int code = clFinish(t->device->queue);
     t->sent = code == CL_SUCCESS ? SENT_SEEN : SENT_UNTOLD;
     if (code == CL_SUCCESS)
@@ -397,6 +424,8 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
     if (bytes == 0)
         return true;
     t->n_waits += wait;
+    if (wait)
+        let_go(t);
     if (b->host == to)
         return hand_over(t, b, CL_MAP_READ, bytes, wait, err);
     if (ask_in_place(t, b, at, to, bytes))

@@ -51,6 +51,7 @@ typedef struct timeline {
     cl_ulong queued;   // when the first command was, by the device's clock
     int64_t first_ns;  // and since begun_ns, by the host's clock, as well as that is known
     int n_tied;        // commands that say so
+    cl_event held;     // what commands wait for until the host does; NULL: nothing
     bool beside;       // something was written beside the kernels
     cl_int lost;       // the device did not say how a command stands; the step has failed
 } timeline;
@@ -130,6 +131,10 @@ void timeline_spin(timeline *t, cl_event event);
 // Reads the times up to an event that is over, while the host would wait anyway:
 // asking for one takes a driver more than a microsecond.
 bool timeline_collect_to(timeline *t, cl_event last, duet_error *err);
+
+// Commands that are sent from now on begin once the host waits: a CPU's thread, which wakes for the
+// first of them, otherwise sleeps again before the next one is there. Nothing on other devices.
+bool timeline_hold(timeline *t, duet_error *err);
 
 bool timeline_flush(timeline *t, duet_error *err);
 bool timeline_finish(timeline *t, duet_error *err); // waits and reads the times

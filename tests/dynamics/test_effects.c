@@ -642,6 +642,21 @@ TEST(a_step_at_rest_sends_nothing)
     assert_int_equal(m->last.step, 11);
 }
 
+// A cube slides over a floor where others sleep: nothing begins to push, and nothing falls asleep.
+TEST(a_step_like_the_last_one_waits_once)
+{
+    mover *m = make_sleepers();
+    uint32_t cube = mover_add_cube(m, 0, 4, 0.5, 1);
+    m->bodies[cube].velocity[0] = 1.0f;
+    mover_run(m, 100);
+    for (int step = 0; step < 20; ++step) {
+        traffic t = step_once(m);
+        assert_int_equal(m->last.contacts, 1);
+        if (!m->last.rebuilt && (t.launches > 7 || t.waits != 1))
+            fail_msg("step %d: %u launches, %u reads", step, t.launches, t.waits);
+    }
+}
+
 TEST(what_moves_without_mass_keeps_a_step_from_resting)
 {
     mover *m = make_sleepers();
