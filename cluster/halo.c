@@ -236,9 +236,9 @@ static void count(halo_side *s, const moving *m, int list, uint32_t bytes)
     memcpy(s->rows.counts, s->counts + (size_t)list * n, n * sizeof *s->counts);
 }
 
-// Brings rows of a list from one side to the other.
-static void move(halo *h, moving *m, int list, halo_side *from, halo_side *to,
-                 const rows_moved *rows, move_rows *pack, move_rows *unpack, duet_error *own)
+// Sends rows of a list from one side to the other. Returns how many requests wait.
+static int send(halo *h, moving *m, int list, halo_side *from, halo_side *to,
+                const rows_moved *rows, move_rows *pack, duet_error *own)
 {
     const uint32_t bytes = (uint32_t)bytes_of(&rows->parts);
     count(from, m, list, bytes);
@@ -246,18 +246,45 @@ static void move(halo *h, moving *m, int list, halo_side *from, halo_side *to,
     move_items(from, m, list, rows, pack, own);
     if (from->n[list] == 0 || m->parts > 1)
         await_unpacked(m, own);
-    parcels_pass(m->ranks, &from->rows, &to->rows, h->requests);
+    return parcels_begin_pass(m->ranks, &from->rows, &to->rows, h->requests);
+}
+
+// Brings rows of a list from one side to the other, where they are unpacked, or looked at: NULL.
+static void move(halo *h, moving *m, int list, halo_side *from, halo_side *to,
+                 const rows_moved *rows, move_rows *pack, move_rows *unpack, duet_error *own)
+{
+    const int n = send(h, m, list, from, to, rows, pack, own);
+    parcels_end_pass(m->ranks, n, h->requests);
     if (unpack)
         move_items(to, m, list, rows, unpack, own);
 }
 
-static void exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
+static bool travels(const halo *h, int list)
 {
-    if (h->sent.n[list] == 0 && h->received.n[list] == 0)
-        return;
+    return h->sent.n[list] > 0 || h->received.n[list] > 0;
+}
+
+static int begin_exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
+{
+    if (!travels(h, list))
+        return 0;
     ++h->n_exchanges;
     h->n_rows += h->sent.n[list];
-    move(h, m, list, &h->sent, &h->received, rows, domain_pack_listed, domain_unpack_listed, own);
+    return send(h, m, list, &h->sent, &h->received, rows, domain_pack_listed, own);
+}
+
+static void end_exchange(halo *h, moving *m, int list, const rows_moved *rows, int n,
+                         duet_error *own)
+{
+    if (!travels(h, list))
+        return;
+    parcels_end_pass(m->ranks, n, h->requests);
+    move_items(&h->received, m, list, rows, domain_unpack_listed, own);
+}
+
+static void exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
+{
+    end_exchange(h, m, list, rows, begin_exchange(h, m, list, rows, own), own);
 }
 
 void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
@@ -279,10 +306,21 @@ static row_parts parts_of_body(const duet_motion *motion, bool warm)
                        .of_four = SENT};
 }
 
-void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
+int halo_begin_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
 {
     const rows_moved rows = {BODIES, parts_of_body(m->domains[0].motion, warm)};
-    exchange(h, m, (int)colour, &rows, own);
+    return begin_exchange(h, m, (int)colour, &rows, own);
+}
+
+void halo_end_after(halo *h, moving *m, uint32_t colour, bool warm, int n, duet_error *own)
+{
+    const rows_moved rows = {BODIES, parts_of_body(m->domains[0].motion, warm)};
+    end_exchange(h, m, (int)colour, &rows, n, own);
+}
+
+void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
+{
+    halo_end_after(h, m, colour, warm, halo_begin_after(h, m, colour, warm, own), own);
 }
 
 // As push_sleepers writes them (kernels/dynamics/update_sleep.cl).
@@ -300,7 +338,7 @@ void halo_exchange_late(halo *h, moving *m, duet_error *own)
 
 bool halo_comes(const halo *h, uint32_t colour)
 {
-    return h->sent.n[colour] > 0 || h->received.n[colour] > 0;
+    return travels(h, (int)colour);
 }
 
 // ---------------------------------------------------------------- what comes when

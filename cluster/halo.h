@@ -83,6 +83,11 @@ bool halo_bring_asked(halo *h, struct moving *m, duet_error *own);
 // contacts of a colour, or of all (HALO_END); HALO_ANY: of all that any contact leaves wrong.
 void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
 
+// The same in two calls, between which devices work on bodies that are no ghost of any domain:
+// begin returns how many requests end waits for.
+int halo_begin_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
+void halo_end_after(halo *h, struct moving *m, uint32_t colour, bool warm, int n, duet_error *own);
+
 // Makes the ways of all ghosts that are pushed, which are a vector of their bodies, those of a
 // round.
 void halo_exchange_ways(halo *h, struct moving *m, uint32_t round, duet_error *own);

@@ -14,6 +14,10 @@
 // Bodies that rank 0 makes at one time.
 enum { CHUNK = 1 << 18 };
 
+// Contacts that are worth a launch beside a message, which takes longer to another host
+// (docs/notes/performance.md).
+enum { LEAST_INNER = 1 << 12, LEAST_INNER_ON_HOST = 1 << 14 };
+
 // A mesh that a body carries has its rows made from one domain's bodies.
 static bool check_mesh(const duet_motion *motion, const char *scene, duet_error *own)
 {
@@ -177,6 +181,7 @@ static void measure_rows(moving *m)
     const duet_motion *first = m->domains[0].motion;
     m->def = first->def; // whose ground is a copy
     m->every = first->plan.colours > 0 ? first->plan.colours : 1;
+    m->least_inner = m->ranks->n_on_host < m->ranks->n ? LEAST_INNER : LEAST_INNER_ON_HOST;
     m->traveller_bytes = sizeof(moving_traveller) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
 }

@@ -182,10 +182,11 @@ static bool order_contacts(moving *m, duet_error *own)
 
 // ---------------------------------------------------------------- all of it
 
-static void list_colours(moving_domain *d, tally *t, duet_error *own)
+static void list_colours(const moving *m, moving_domain *d, tally *t, duet_error *own)
 {
     domain_closed closed;
-    if (domain_count_closed(d->motion, &closed, own) && domain_take_colours(d->motion, own))
+    if (domain_count_closed(d->motion, &closed, own) &&
+        domain_take_colours(d->motion, m->least_inner, own))
         count(d, &closed, t);
 }
 
@@ -199,7 +200,7 @@ static bool close_all(moving *m, tally *t, duet_error *own)
     if (!halo_bring_asked(&m->halo, m, own))
         return false;
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        list_colours(&m->domains[k], t, own);
+        list_colours(m, &m->domains[k], t, own);
     return ranks_agree_and(m->ranks, is_well(own), t, own);
 }
 

@@ -91,8 +91,9 @@ struct moving {
     duet_motion_def def; // as are, of the whole scene
     effect_facts facts;
     double extent;
-    uint32_t parts; // domains of each rank
-    uint32_t every; // colours after which ghosts come at the latest
+    uint32_t parts;       // domains of each rank
+    uint32_t every;       // colours after which ghosts come at the latest
+    uint32_t least_inner; // contacts of a colour that are solved while ghosts travel, if any are
     uint32_t n_domains, n_all;
     cl_int4 base;        // the origin cell that all count from
     bool keeps_commands; // states have what commands left

@@ -225,8 +225,9 @@ static bool exchange_ghosts(moving *m, duet_error *own)
 static void mark_places(moving *m, duet_error *own)
 {
     const halo_item *sent = m->halo.sent.items.items;
-    for (uint64_t i = 0; m->every > 1 && i < m->halo.sent.items.n; ++i)
-        m->domains[sent[i].domain].places[sent[i].place].kind |= PLACE_SHARED;
+    const uint32_t bits = m->every > 1 ? PLACE_SENT | PLACE_SHARED : PLACE_SENT;
+    for (uint64_t i = 0; i < m->halo.sent.items.n; ++i)
+        m->domains[sent[i].domain].places[sent[i].place].kind |= bits;
     for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k)
         domain_mark_places(m->domains[k].motion, m->domains[k].places, own);
 }

@@ -289,12 +289,8 @@ void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts
 }
 
 // Ghosts and own bodies that leave take their contacts along.
-static void mark_travelling(const moving *m, moving_domain *d, duet_error *own)
+static void mark_travelling(moving_domain *d, duet_error *own)
 {
-    const halo_item *sent = m->halo.sent.items.items;
-    for (uint64_t i = 0; i < m->halo.sent.items.n; ++i)
-        if (&m->domains[sent[i].domain] == d)
-            d->places[sent[i].place].kind &= ~PLACE_SHARED;
     for (uint64_t i = 0; i < d->gone.n; ++i) {
         const moving_body *b = &d->bodies.rows[d->gone.rows[i]];
         if (!moving_is_own(d, b) || b->next != d->number)
@@ -307,7 +303,7 @@ static void mark_travelling(const moving *m, moving_domain *d, duet_error *own)
 static void read_travelling(moving *m, moving_domain *d, item_list *contacts, duet_error *own)
 {
     domain_contacts listed = {0};
-    mark_travelling(m, d, own);
+    mark_travelling(d, own);
     if (!is_well(own) || !domain_list_shared(d->motion, &listed, own))
         return;
     if (domain_reserve_rows(&listed, d->motion, own) && domain_read_rows(d->motion, &listed, own))
@@ -317,12 +313,20 @@ static void read_travelling(moving *m, moving_domain *d, item_list *contacts, du
 
 // ---------------------------------------------------------------- all of it
 
+static void forget_sent(moving *m)
+{
+    const halo_item *sent = m->halo.sent.items.items;
+    for (uint64_t i = 0; i < m->halo.sent.items.n; ++i)
+        m->domains[sent[i].domain].places[sent[i].place].kind &= ~(PLACE_SHARED | PLACE_SENT);
+}
+
 // The domains that contacts go to follow from where bodies are, and from the borders.
 static bool read_all(moving *m, const item_list *parted, item_list *bodies, item_list *contacts,
                      duet_error *own)
 {
     if (moving_cut_is_due(m) && !moving_cut(m, m->domains, m->parts, own))
         return false;
+    forget_sent(m);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         find_leaving(m, &m->domains[k], bodies, own);
     for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k) {

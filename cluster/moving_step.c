@@ -17,34 +17,9 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
-// A pass does one of these to the contacts of a colour, or to one of those that are solved in
-// order.
-typedef enum solve_pass { SOLVE_SHOCKS, SOLVE_SOFT, SOLVE_RELAX, SOLVE_RESTORE } solve_pass;
-
-static void solve_colours(duet_motion *motion, uint32_t from, uint32_t to, solve_pass pass,
-                          duet_error *own)
-{
-    if (pass == SOLVE_SHOCKS)
-        domain_shock_colours(motion, from, to, own);
-    else if (pass == SOLVE_RESTORE)
-        domain_restore_colours(motion, from, to, own);
-    else
-        domain_solve_colours(motion, from, to, pass == SOLVE_SOFT, own);
-}
-
-static void solve_one(duet_motion *motion, uint32_t i, solve_pass pass, duet_error *own)
-{
-    if (pass == SOLVE_SHOCKS)
-        domain_shock_in_order(motion, i, own);
-    else if (pass == SOLVE_RESTORE)
-        domain_restore_in_order(motion, i, own);
-    else
-        domain_solve_in_order(motion, i, pass == SOLVE_SOFT, own);
-}
-
 // Contacts without a colour of their own come one by one, in the order of all ids: a domain takes
 // those that it has.
-static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
+static void solve_in_order(moving *m, domain_pass pass, duet_error *own)
 {
     uint64_t *taken = calloc(m->parts, sizeof *taken);
     if (!taken)
@@ -53,7 +28,7 @@ static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
             const row_list *has = &m->domains[k].in_order;
             if (taken[k] < has->n && has->rows[taken[k]] == i)
-                solve_one(m->domains[k].motion, (uint32_t)taken[k]++, pass, own);
+                domain_solve_in_order(m->domains[k].motion, pass, (uint32_t)taken[k]++, own);
         }
         halo_exchange(&m->halo, m, BODIES, own);
     }
@@ -61,24 +36,36 @@ static void solve_in_order(moving *m, solve_pass pass, duet_error *own)
 }
 
 // Colours after which no ghost of this rank goes or comes are solved together with the next one.
-static uint32_t end_of_colours(const moving *m, uint32_t from)
+static uint32_t end_of_colours(const moving *m, uint32_t from, uint32_t colours)
 {
-    uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
     uint32_t to = from + 1;
     while (to < colours && !halo_comes(&m->halo, to - 1))
         ++to;
     return to;
 }
 
-static void solve(moving *m, solve_pass pass, duet_error *own)
+// Ghosts of a list come after these colours. While they travel each domain takes the last colour's
+// contacts that have no ghost and no body that is one elsewhere.
+static void solve_until(moving *m, domain_pass pass, uint32_t from, uint32_t to, uint32_t list,
+                        duet_error *own)
 {
-    for (uint32_t from = 0, to; from < m->counts.colours && from < COLOUR_OVERFLOW; from = to) {
-        to = end_of_colours(m, from);
-        for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-            solve_colours(m->domains[k].motion, from, to, pass, own);
-        halo_exchange_after(&m->halo, m, to - 1, pass == SOLVE_RELAX, own);
+    const bool warm = pass == PASS_RELAX;
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_solve_border(m->domains[k].motion, pass, from, to, own);
+    const int n = halo_begin_after(&m->halo, m, list, warm, own);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_solve_inner(m->domains[k].motion, pass, to - 1, own);
+    halo_end_after(&m->halo, m, list, warm, n, own);
+}
+
+// No colour needs ghosts that the last one changed.
+static void solve(moving *m, domain_pass pass, duet_error *own)
+{
+    const uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
+    for (uint32_t from = 0, to; from < colours; from = to) {
+        to = end_of_colours(m, from, colours);
+        solve_until(m, pass, from, to, to < colours ? to - 1 : HALO_END, own);
     }
-    halo_exchange_after(&m->halo, m, HALO_END, pass == SOLVE_RELAX, own);
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
 }
@@ -88,7 +75,7 @@ static bool solve_shocks(moving *m, duet_error *own)
 {
     tally t = {.sums = {motion_has_shocks(m->domains[0].motion)}};
     for (int i = 0; t.sums[0] > 0 && i < SHOCK_SWEEPS; ++i) {
-        solve(m, SOLVE_SHOCKS, own);
+        solve(m, PASS_SHOCKS, own);
         t = (tally){0};
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
             bool bounced = false;
@@ -107,9 +94,9 @@ static bool substep(moving *m, duet_error *own)
     each(m, domain_integrate_velocities, own);
     if (!solve_shocks(m, own))
         return false;
-    solve(m, SOLVE_SOFT, own);
+    solve(m, PASS_SOFT, own);
     each(m, domain_integrate_positions, own);
-    solve(m, SOLVE_RELAX, own);
+    solve(m, PASS_RELAX, own);
     return true;
 }
 
@@ -121,7 +108,7 @@ static bool run_substeps(moving *m, duet_error *own)
     for (uint32_t i = 0; ok && i < motion->def.substeps; ++i)
         ok = substep(m, own);
     if (ok && (motion->facts & FACT_ELASTIC) && !motion_has_shocks(motion))
-        solve(m, SOLVE_RESTORE, own);
+        solve(m, PASS_RESTORE, own);
     return ok;
 }
 

@@ -75,8 +75,8 @@ static int post_ballast(ranks *r, const parcels *out, const parcels *in, MPI_Req
     return n;
 }
 
-// A message to and from each rank that has rows, this one included.
-static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
+// A message to and from each rank that has rows, this one included. Returns how many requests wait.
+static int send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
 {
     MPI_Datatype row;
     MPI_Type_contiguous((int)out->row_bytes, MPI_BYTE, &row);
@@ -94,13 +94,25 @@ static void send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Requ
         r->sent_bytes += q == r->self ? 0 : out->counts[q] * out->row_bytes * r->stands_for;
     }
     n += post_ballast(r, out, in, requests + n);
-    MPI_Waitall(n, requests, MPI_STATUSES_IGNORE);
-    MPI_Type_free(&row);
+    MPI_Type_free(&row); // once nothing under way needs it
+    return n;
+}
+
+int parcels_begin_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
+{
+    int n = 0;
+    RANKS_WAITING(r, n = send_and_receive(r, out, in, requests));
+    return n;
+}
+
+void parcels_end_pass(ranks *r, int n, MPI_Request *requests)
+{
+    RANKS_WAITING(r, MPI_Waitall(n, requests, MPI_STATUSES_IGNORE));
 }
 
 void parcels_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
 {
-    RANKS_WAITING(r, send_and_receive(r, out, in, requests));
+    parcels_end_pass(r, parcels_begin_pass(r, out, in, requests), requests);
 }
 
 // A rank that cannot send, or not receive, says so in its counts.

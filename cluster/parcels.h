@@ -28,6 +28,11 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
 // of both parcels say; it cannot fail. requests has space for 4 for each rank.
 void parcels_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests);
 
+// The same in two calls, between which rows travel and nobody touches them: begin returns how many
+// requests end waits for.
+int parcels_begin_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests);
+void parcels_end_pass(ranks *r, int n, MPI_Request *requests);
+
 // Rows to send, and where each goes.
 typedef struct parcels_def {
     uint64_t n;

@@ -11,6 +11,8 @@
 //   count_border  1 for each contact that is listed
 //   list_border   which these are
 //   used_colours  of some bodies: a bit for each colour that their contacts have
+//   border_key    what contacts are sorted by, as in graph_colour_key; of a colour those come first that have a ghost, or
+//                 a body that is one elsewhere
 //
 //   places        [n + FIXED] id, and bits of border.h
 //   border_starts [n_contacts + 1]
@@ -106,6 +108,19 @@ __kernel void list_border(LIST_BORDER_ARGS)
     for (uint i = first; i < last; ++i)
         if (border_starts[i] != border_starts[i + 1])
             border[border_starts[i]] = (uint4)(i, links[i].x, links[i].y, colours[i]);
+}
+
+__kernel void border_key(BORDER_KEY_ARGS)
+{
+    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_contacts);
+    for (uint i = first; i < last; ++i) {
+        uint colour = min(colours[i], (uint)COLOUR_NONE), key = COLOUR_KEY(colour, BORDER_KEYS);
+        uint kinds = places[links[i].x].y | places[links[i].y].y;
+        if (colour <= LAST_COLOUR)
+            key += (kinds & (PLACE_SHARED | PLACE_SENT) ? 1 : 2) * COLOUR_KEYS - (touches[i] & TOUCH_POINTS);
+        list[i] = i;
+        keys[i] = key;
+    }
 }
 
 static inline uint bit_of(uint colour)

@@ -8,6 +8,7 @@
 #define PLACE_MOVES 2u
 #define PLACE_SENSOR 4u
 #define PLACE_SHARED 8u // other domains' contacts, too, tell what is found of this body's
+#define PLACE_SENT 16u  // other domains have it as a ghost
 
 #define NO_PLACE 0xFFFFFFFFu // owner and other of a contact that is not here
 
@@ -24,6 +25,10 @@
 // Bits of a listed contact: its colour, beside it COLOUR_LEFT, and whether it is solved here.
 #define BORDER_COLOUR 63u
 #define BORDER_SOLVED 128u
+
+// Keys of a colour that contacts of a domain are sorted by: those of contacts that have a ghost, or a body that is
+// one elsewhere, and then those of the others (COLOUR_KEYS of records.h each).
+#define BORDER_KEYS 8
 
 // Words of a ghost: colours of its contacts at home, of those that are solved here, after which it
 // comes, and of those that are asked for.

@@ -42,6 +42,15 @@ return {
       const uint *border_starts
       uint4 *border
     ]],
+    border_key = [[
+      const uint2 *links
+      uint n_contacts
+      const uint2 *places
+      const uint *colours
+      const uint *touches
+      uint *list
+      uint *keys
+    ]],
     used_colours = [[
       const uint *row_ids
       uint first_id

@@ -72,7 +72,7 @@ __kernel void graph_colour_take(GRAPH_COLOUR_TAKE_ARGS)
 
 static inline uint key_of(uint colour, uint touch)
 {
-    return colour * COLOUR_KEYS + (colour <= LAST_COLOUR ? POINTS - (touch & TOUCH_POINTS) : 0);
+    return COLOUR_KEY(colour, COLOUR_KEYS) + (colour <= LAST_COLOUR ? POINTS - (touch & TOUCH_POINTS) : 0);
 }
 
 // Keys contacts by colour, and within it most points first, so that work-items side by side have as
@@ -92,8 +92,8 @@ __kernel void graph_colour_key(GRAPH_COLOUR_KEY_ARGS)
 
 #if TEAM
 
-#define KEYS (COLOURS * COLOUR_KEYS)
-#define PUSHING_KEYS (COLOUR_WAITS * COLOUR_KEYS)
+#define KEYS COLOUR_KEY(COLOURS, COLOUR_KEYS)
+#define PUSHING_KEYS COLOUR_KEY(COLOUR_WAITS, COLOUR_KEYS)
 
 // Counts the keys of a part's contacts that push.
 static inline void count_keys(const colouring *c, uint part, uint2 range)

@@ -125,6 +125,10 @@
 #define COLOUR_LEFT 64u // a bit beside one: another domain solves it alone (closure.cl)
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
+// The first key of a colour, if colours below COLOUR_OVERFLOW have so many each, and the others one.
+#define COLOUR_KEY(COLOUR, EACH) \
+    ((COLOUR) < COLOUR_OVERFLOW ? (COLOUR) * (EACH) : COLOUR_OVERFLOW * (EACH) + (COLOUR) - COLOUR_OVERFLOW)
+
 // Words of a team (team.clh), those that all change in lines of a cache of their own.
 #define TEAM_LINE 16 // words
 #define TEAM_DONE 0

@@ -16,39 +16,56 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
     return ok;
 }
 
+static uint32_t whole_blocks(uint32_t n, uint32_t block)
+{
+    return (n + block - 1) / block;
+}
+
 // Places each colour's contacts in the list, and in blocks: contacts of a colour begin a block, and
-// contacts without a colour have one each.
-static void lay_colours(contact_solver *s, uint32_t block, const uint32_t starts[KEYS + 1])
+// contacts without a colour have one each. A colour has so many keys.
+static void lay_colours(contact_solver *s, uint32_t block, uint32_t keys,
+                        const uint32_t starts[KEYS + 1])
 {
     s->n_blocks = s->n_colours = 0;
     for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k) {
         colour_span *span = &s->colours[k];
-        span->first = starts[k * COLOUR_KEYS];
-        span->count = starts[(k + 1) * COLOUR_KEYS] - span->first;
+        span->first = starts[COLOUR_KEY(k, keys)];
+        span->count = starts[COLOUR_KEY(k + 1, keys)] - span->first;
         span->slot = s->n_blocks * block;
-        s->n_blocks += k == COLOUR_OVERFLOW ? span->count : (span->count + block - 1) / block;
+        span->border = 0;
+        s->n_blocks += k == COLOUR_OVERFLOW ? span->count : whole_blocks(span->count, block);
         s->n_colours += span->count > 0;
     }
-    s->n_pushing = starts[(COLOUR_OVERFLOW + 1) * COLOUR_KEYS];
+    s->n_pushing = starts[COLOUR_KEY(COLOUR_WAITS, keys)];
 }
 
-// Contacts of one colour after the other into LIST. Reads the flags as well.
-static bool sort_colours(duet_motion *m, duet_error *err)
+// A block of both is of the border. All is of it if fewer others than that would be left.
+static void lay_border(contact_solver *s, uint32_t block, uint32_t least_inner,
+                       const uint32_t starts[KEYS + 1])
 {
-    uint32_t starts[KEYS + 1];
+    for (uint32_t k = 0; k < COLOUR_OVERFLOW; ++k) {
+        colour_span *span = &s->colours[k];
+        const uint32_t n = starts[COLOUR_KEY(k, BORDER_KEYS) + COLOUR_KEYS] - span->first,
+                       border = whole_blocks(n, block) * block;
+        span->border = border + (uint64_t)least_inner <= span->count ? border : span->count;
+    }
+}
+
+// Contacts of one colour after the other into LIST, by the keys that a kernel gives them: starts
+// become where each key begins. Reads the flags as well.
+static bool sort_colours(duet_motion *m, const kernel *key, uint32_t starts[KEYS + 1],
+                         duet_error *err)
+{
+    const uint32_t bytes = (KEYS + 1) * sizeof *starts;
     buffer *b = m->buffers;
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
-    bool ok =
-        motion_launch(m, stage, m->kernels.graph_colour_key, m->awake.n_contacts, err) &&
-        radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
-                       err) &&
-        motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->awake.n_contacts + 1, err) &&
-        motion_start_flags(m, err) &&
-        timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, sizeof starts, err);
-    if (ok)
-        lay_colours(&m->solver, m->layout.block, starts);
-    return ok;
+    return motion_launch(m, stage, key, m->awake.n_contacts, err) &&
+           radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
+                          err) &&
+           motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->awake.n_contacts + 1, err) &&
+           motion_start_flags(m, err) &&
+           timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, bytes, err);
 }
 
 static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint32_t to,
@@ -87,14 +104,18 @@ static bool use_colours(duet_motion *m, duet_error *err)
 static bool list_colours(duet_motion *m, duet_error *err)
 {
     contact_solver *s = &m->solver;
+    uint32_t starts[KEYS + 1];
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && choose_colours(m, from, to, err) && sort_colours(m, err);
+        ok = ok && choose_colours(m, from, to, err) &&
+             sort_colours(m, m->kernels.graph_colour_key, starts, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
     s->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
+    if (ok)
+        lay_colours(s, m->layout.block, COLOUR_KEYS, starts);
     return ok && use_colours(m, err);
 }
 
@@ -113,7 +134,7 @@ static bool keep_colours(duet_motion *m, duet_error *err)
 static bool list_none(duet_motion *m)
 {
     const uint32_t none[KEYS + 1] = {0};
-    lay_colours(&m->solver, m->layout.block, none);
+    lay_colours(&m->solver, m->layout.block, COLOUR_KEYS, none);
     product_renew(&m->products, PRODUCT_COLOURS);
     return true;
 }
@@ -148,7 +169,7 @@ static bool take_colouring(duet_motion *m, duet_error *err)
         product_keep(&m->products, PRODUCT_COLOURS);
         return true;
     }
-    lay_colours(s, m->layout.block, starts);
+    lay_colours(s, m->layout.block, COLOUR_KEYS, starts);
     return use_colours(m, err);
 }
 
@@ -190,9 +211,23 @@ bool domain_colour_inner(duet_motion *m, uint32_t every, domain_contacts *told, 
     return true;
 }
 
-bool domain_take_colours(duet_motion *m, duet_error *err)
+static bool build_key(duet_motion *m, duet_error *err)
 {
+    const kernel_request list[] = {
+        {&m->border.border_key, true, "border", "border_key", motion_bindings},
+    };
+    return m->border.border_key || motion_build_kernels(m, list, 1, false, err);
+}
+
+bool domain_take_colours(duet_motion *m, uint32_t least_inner, duet_error *err)
+{
+    uint32_t starts[KEYS + 1];
     if (m->n == 0 || m->graph.n_contacts == 0)
         return list_none(m);
-    return reserve_lists(m, err) && sort_colours(m, err) && use_colours(m, err);
+    if (!reserve_lists(m, err) || !build_key(m, err) ||
+        !sort_colours(m, m->border.border_key, starts, err))
+        return false;
+    lay_colours(&m->solver, m->layout.block, BORDER_KEYS, starts);
+    lay_border(&m->solver, m->layout.block, least_inner, starts);
+    return use_colours(m, err);
 }

@@ -260,26 +260,29 @@ typedef struct domain_closed {
 } domain_closed;
 bool domain_count_closed(duet_motion *m, domain_closed *found, duet_error *err);
 
-// Lists contacts by colour, and makes constraints from them.
-bool domain_take_colours(duet_motion *m, duet_error *err);
+// Lists contacts by colour, those of its border first: all that have a ghost or a body that is one
+// elsewhere, and a few others; the inner ones are at least so many, or none. Then makes
+// constraints.
+bool domain_take_colours(duet_motion *m, uint32_t least_inner, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
-// A substep: velocities, contacts of colours [from, to) as soft springs, positions, contacts
-// relaxed. After the colours those of COLOUR_OVERFLOW come, of which the domain's i-th is one call.
+// A substep: velocities, contacts as soft springs, positions, contacts relaxed. With shocks, before
+// the contacts, sweeps come, up to SHOCK_SWEEPS, until none in any domain bounced; after all
+// substeps restitution, which is of contacts, too.
 bool domain_integrate_velocities(duet_motion *m, duet_error *err);
-bool domain_solve_colours(duet_motion *m, uint32_t from, uint32_t to, bool soft, duet_error *err);
-bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
-
-// With shocks, before the contacts of a substep: sweeps of all colours, up to SHOCK_SWEEPS, until
-// none in any domain bounced.
-bool domain_shock_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err);
-bool domain_shock_in_order(duet_motion *m, uint32_t i, duet_error *err);
 bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err);
 
-// After all substeps: restitution, likewise; impulses, events and bodies as they are kept.
-bool domain_restore_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err);
-bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err);
+// A pass does one of these to contacts: to those of colours [from, to), but of the last one to the
+// border's; then to that one's inner ones; and after the colours to one of those of
+// COLOUR_OVERFLOW, the domain's i-th.
+typedef enum domain_pass { PASS_SHOCKS, PASS_SOFT, PASS_RELAX, PASS_RESTORE } domain_pass;
+bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32_t to,
+                         duet_error *err);
+bool domain_solve_inner(duet_motion *m, domain_pass pass, uint32_t colour, duet_error *err);
+bool domain_solve_in_order(duet_motion *m, domain_pass pass, uint32_t i, duet_error *err);
+
+// Impulses, events and bodies as they are kept.
 bool domain_finalize(duet_motion *m, duet_error *err);
 
 // Push bodies that sleep deep in others: so many rounds (PRESSED_ROUNDS), and then all go.

@@ -295,47 +295,58 @@ static bool launch_between(duet_motion *m, const kernel *k, uint32_t from, uint3
            (team_takes(k) ? launch_team(m, k, from, to, err) : launch_below(m, k, from, to, err));
 }
 
-// Launches a kernel for one of the contacts that have no colour of their own.
-static bool launch_in_order(duet_motion *m, const kernel *k, uint32_t i, duet_error *err)
+// Launches a kernel for n contacts of a colour, from one that begins a block.
+static bool launch_some(duet_motion *m, const kernel *k, uint32_t colour, uint32_t from, uint32_t n,
+                        duet_error *err)
 {
     contact_solver *s = &m->solver;
-    const colour_span *all = &s->colours[COLOUR_OVERFLOW];
-    s->span = (cl_int4){{(cl_int)(all->first + i), 1, (cl_int)(all->slot + i * m->layout.block)}};
-    s->from_colour = COLOUR_OVERFLOW;
-    s->to_colour = COLOUR_OVERFLOW + 1;
-    s->each = 1;
-    return team_takes(k) ? team_launch(m, "solve_contacts", k, 1, TEAM_LEAST_PART, 1, err)
-                         : motion_launch(m, "solve_contacts", k, 1, err);
+    const colour_span *all = &s->colours[colour];
+    const uint32_t slots = colour == COLOUR_OVERFLOW ? m->layout.block : 1;
+    s->span =
+        (cl_int4){{(cl_int)(all->first + from), (cl_int)n, (cl_int)(all->slot + from * slots)}};
+    s->from_colour = colour;
+    s->to_colour = colour + 1;
+    s->each = k->per_item;
+    if (n == 0)
+        return true;
+    return team_takes(k) ? team_launch(m, "solve_contacts", k, n, TEAM_LEAST_PART, 1, err)
+                         : motion_launch(m, "solve_contacts", k, n, err);
 }
 
-bool domain_solve_in_order(duet_motion *m, uint32_t i, bool soft, duet_error *err)
+// Returns the kernel of a pass. No sweep of a domain knows whether it is the last one.
+static const kernel *begin_pass(duet_motion *m, domain_pass pass)
 {
-    m->solver.soft = soft;
-    return launch_in_order(m, m->kernels.solve_contacts, i, err);
-}
-
-bool domain_restore_in_order(duet_motion *m, uint32_t i, duet_error *err)
-{
-    return launch_in_order(m, m->kernels.apply_restitution, i, err);
-}
-
-bool domain_solve_colours(duet_motion *m, uint32_t from, uint32_t to, bool soft, duet_error *err)
-{
-    m->solver.soft = soft;
-    return launch_between(m, m->kernels.solve_contacts, from, to, err);
-}
-
-// No sweep of a domain knows whether it is the last one.
-bool domain_shock_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
-{
+    const motion_kernels *k = &m->kernels;
+    m->solver.soft = pass == PASS_SOFT;
     m->solver.first_sweep = m->solver.sweep;
-    return launch_between(m, m->kernels.solve_shocks, from, to, err);
+    return pass == PASS_SHOCKS    ? k->solve_shocks
+           : pass == PASS_RESTORE ? k->apply_restitution
+                                  : k->solve_contacts;
 }
 
-bool domain_shock_in_order(duet_motion *m, uint32_t i, duet_error *err)
+bool domain_solve_in_order(duet_motion *m, domain_pass pass, uint32_t i, duet_error *err)
 {
-    m->solver.first_sweep = m->solver.sweep;
-    return launch_in_order(m, m->kernels.solve_shocks, i, err);
+    return launch_some(m, begin_pass(m, pass), COLOUR_OVERFLOW, i, 1, err);
+}
+
+bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32_t to,
+                         duet_error *err)
+{
+    const kernel *k = begin_pass(m, pass);
+    const colour_span *last = &m->solver.colours[to - 1];
+    if (last->border == last->count)
+        return launch_between(m, k, from, to, err);
+    return launch_between(m, k, from, to - 1, err) &&
+           launch_some(m, k, to - 1, 0, last->border, err);
+}
+
+// A device that is the host's own is waited for: whoever then waits for messages takes a core.
+bool domain_solve_inner(duet_motion *m, domain_pass pass, uint32_t colour, duet_error *err)
+{
+    const colour_span *span = &m->solver.colours[colour];
+    const uint32_t n = span->count - span->border;
+    return n == 0 || (launch_some(m, begin_pass(m, pass), colour, span->border, n, err) &&
+                      (!m->buffers[BODIES].host || timeline_finish(&m->times, err)));
 }
 
 bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err)
@@ -344,11 +355,6 @@ bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err)
     bool ok = m->n == 0 || motion_fetch(m, "solve_contacts", SHOCKED, 0, &last, sizeof last, err);
     *bounced = m->n > 0 && last == sweep;
     return ok;
-}
-
-bool domain_restore_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
-{
-    return launch_between(m, m->kernels.apply_restitution, from, to, err);
 }
 
 bool domain_finalize(duet_motion *m, duet_error *err)

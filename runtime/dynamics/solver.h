@@ -4,11 +4,12 @@
 #ifndef RUNTIME_SOLVER_H
 #define RUNTIME_SOLVER_H
 
+#include "kernels/dynamics/border.h"
 #include "kernels/dynamics/records.h"
 #include "runtime/opencl/radix_sort.h"
 
-// Keys that contacts are sorted by: several of a colour.
-enum { KEYS = COLOURS * COLOUR_KEYS, KEY_BITS = 8 };
+// Keys that contacts are sorted by, at most: several of a colour.
+enum { KEYS = COLOUR_KEY(COLOURS, BORDER_KEYS), KEY_BITS = 8 };
 
 // More bodies than that are never solved in one launch.
 enum { SOLVER_FEW = 1024 };
@@ -16,12 +17,13 @@ enum { SOLVER_FEW = 1024 };
 // A row of so many bodies hands an impact on from end to end.
 enum { SHOCK_SWEEPS = 16 };
 
-// Contacts of one colour: where in the list, and where in blocks. A uint4 on devices.
+// Contacts of one colour: where in the list, and where in blocks. A uint4 on devices. In a domain
+// the first ones, in whole blocks, are its border's (domain_take_colours).
 typedef struct colour_span {
     cl_uint first;
     cl_uint count;
     cl_uint slot;
-    cl_uint spare;
+    cl_uint border;
 } colour_span;
 
 typedef struct contact_solver {

@@ -167,12 +167,15 @@ static duet_cluster_def def_of(uint32_t parts, uint32_t colours)
     return def;
 }
 
-// The motion on the first n ranks; NULL on the others.
+// The motion on the first n ranks; NULL on the others. However few contacts may be solved while
+// ghosts travel, they are.
 static duet_cluster *begin_on(int n, duet_cluster_def def, const moving_scene *s)
 {
     duet_cluster *c = cluster_of(n, def);
-    if (c)
+    if (c) {
         must(duet_cluster_begin_motion(c, s->path, s->settings, s->n_settings, NULL, ERR));
+        c->moving->least_inner = 1;
+    }
     return c;
 }
 
@@ -226,6 +229,66 @@ static void a_pile_has_one_motions_bits(void)
     const moving_scene s = {"falling", {{"n", "120"}, {"sleep", "false"}}, 2, 32, 1, 0};
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
 }
+
+// ---------------------------------------------------------------- while ghosts travel
+
+static void note_travelling(const halo_side *s, uint32_t k, bool *travels)
+{
+    const halo_item *items = s->items.items;
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        if (items[i].domain == k)
+            travels[items[i].place] = true;
+}
+
+// Returns how many of the last step's contacts of a domain are solved while ghosts travel: they
+// have no body that does.
+static uint64_t inner_contacts(const moving *m, uint32_t k)
+{
+    uint64_t found = 0;
+    domain_contacts c;
+    duet_motion *motion = m->domains[k].motion;
+    const uint32_t n = motion->graph.n_contacts;
+    bool *travels = must(calloc((size_t)motion->n + FIXED, sizeof *travels));
+    uint32_t *list = must(malloc(((size_t)n + 1) * sizeof *list));
+    note_travelling(&m->halo.sent, k, travels);
+    note_travelling(&m->halo.received, k, travels);
+    must(domain_read_contacts(motion, false, &c, ERR));
+    must(n == 0 || motion_fetch(motion, "list", LIST, 0, list, n * sizeof *list, ERR));
+    for (uint32_t colour = 0; colour < COLOUR_OVERFLOW; ++colour) {
+        const colour_span *span = &motion->solver.colours[colour];
+        for (uint32_t i = span->border; i < span->count; ++i, ++found) {
+            const uint32_t *ends = c.links[list[span->first + i]].s;
+            MUST(!travels[ends[0]] && !travels[ends[1]],
+                 "inner contacts have no body that travels");
+        }
+    }
+    domain_contacts_free(&c);
+    free(list);
+    free(travels);
+    return found;
+}
+
+// After a step that exchanged no bodies lists are those that it solved.
+static void what_is_solved_while_ghosts_travel_has_none(void)
+{
+    static const uint32_t colours[] = {1, 4};
+    const moving_scene s = {"falling", {{"n", "800"}, {"sleep", "false"}}, 2, 100, 500, 0};
+    for (int i = 0; rank == 0 && i < 2; ++i) {
+        uint64_t inner = 0;
+        duet_cluster_motion_result result;
+        duet_cluster *cluster = begin_on(ALONE, def_of(2, colours[i]), &s);
+        for (uint32_t step = 0; step < s.steps; ++step) {
+            const uint64_t sent = cluster->moving->counts.sent;
+            must(duet_cluster_advance(cluster, &result, ERR));
+            for (uint32_t k = 0; k < 2 && cluster->moving->counts.sent == sent; ++k)
+                inner += inner_contacts(cluster->moving, k);
+        }
+        MUST(inner > 5000, "many contacts are solved while ghosts travel");
+        duet_cluster_destroy(cluster);
+    }
+}
+
+// ---------------------------------------------------------------- how often ghosts come
 
 static uint64_t exchanges_of(const moving_scene *s, uint64_t hash, uint32_t colours)
 {
@@ -1418,6 +1481,7 @@ int main(int argc, char **argv)
     what_waits_is_told_to_who_has_an_end();
     a_flight_has_one_motions_bits();
     a_pile_has_one_motions_bits();
+    what_is_solved_while_ghosts_travel_has_none();
     ghosts_come_once_a_sweep();
     a_pile_that_falls_asleep_has_one_motions_bits();
     a_giant_on_small_ones_has_one_motions_bits();
