@@ -259,14 +259,14 @@ static void move(halo *h, moving *m, int list, halo_side *from, halo_side *to,
         move_items(to, m, list, rows, unpack, own);
 }
 
-static bool travels(const halo *h, int list)
+bool halo_comes(const halo *h, uint32_t colour)
 {
-    return h->sent.n[list] > 0 || h->received.n[list] > 0;
+    return h->sent.n[colour] > 0 || h->received.n[colour] > 0;
 }
 
 static int begin_exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
 {
-    if (!travels(h, list))
+    if (!halo_comes(h, (uint32_t)list))
         return 0;
     ++h->n_exchanges;
     h->n_rows += h->sent.n[list];
@@ -276,7 +276,7 @@ static int begin_exchange(halo *h, moving *m, int list, const rows_moved *rows, 
 static void end_exchange(halo *h, moving *m, int list, const rows_moved *rows, int n,
                          duet_error *own)
 {
-    if (!travels(h, list))
+    if (!halo_comes(h, (uint32_t)list))
         return;
     parcels_end_pass(m->ranks, n, h->requests);
     move_items(&h->received, m, list, rows, domain_unpack_listed, own);
@@ -334,11 +334,6 @@ void halo_exchange_ways(halo *h, moving *m, uint32_t round, duet_error *own)
 void halo_exchange_late(halo *h, moving *m, duet_error *own)
 {
     exchange(h, m, HALO_LATE, &(rows_moved){BODIES, whole_row(m, BODIES)}, own);
-}
-
-bool halo_comes(const halo *h, uint32_t colour)
-{
-    return travels(h, (int)colour);
 }
 
 // ---------------------------------------------------------------- what comes when
