@@ -505,7 +505,7 @@ static int array_close(lua_State *L)
     return 0;
 }
 
-// Of all arrays.
+// Methods of all arrays.
 static const lua_method methods[] = {{"get", array_get, 0},
                                      {"set", array_set, 0},
                                      {"each", array_each, 0},

@@ -37,7 +37,7 @@ typedef struct lua_class {
     const char *noun;              // the name of that: "tree"
 } lua_class;
 
-// What a file adds to the module.
+// Adds what one file has to the module.
 typedef struct lua_noun {
     const lua_class *classes[5]; // up to NULL
     const lua_method *methods;   // of any class that is open; ends with {0}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What people see of profiles: each row of a query as an object, whose members are the query's
+// Profiles as people see them: each row of a query as an object, whose members are the query's
 // columns.
 #ifndef PROFILES_PROFILE_VIEW_H
 #define PROFILES_PROFILE_VIEW_H

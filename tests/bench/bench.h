@@ -108,7 +108,7 @@ typedef struct bench_folder {
 bench_folder bench_make_folder(void);
 void bench_remove_folder(const bench_folder *folder);
 
-// What is run in turn with others, and how long it took.
+// A thing that is run in turn with others, and how long it took.
 typedef struct bench_side {
     const char *name;
     void (*begin)(void *of); // not timed; may be NULL

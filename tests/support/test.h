@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every test includes: CMocka in the order it needs, the headers that most tests use, which
+// Every test includes this: CMocka in the order it needs, the headers that most tests use, which
 // they do not name again, seeds, small helps.
 #ifndef TESTS_TEST_H
 #define TESTS_TEST_H
