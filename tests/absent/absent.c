@@ -3,6 +3,7 @@
 // loader finds it by a .icd file.
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl_icd.h>
+#include <string.h>
 
 struct _cl_platform_id {
     const cl_icd_dispatch *dispatch;
