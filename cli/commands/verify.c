@@ -72,7 +72,7 @@ typedef struct verification {
     const arguments *args;
     const duet_scene *scene;
     verified_run runs[2];
-    uint64_t steps;
+    uint64_t steps, done;
     difference first;
     progress shown;
     char twice[160]; // selectors of the other run
@@ -170,17 +170,23 @@ static bool compare_step(verification *v, uint64_t step, duet_error *err)
             (!difference_is(v->runs, true) || difference_find(&v->first, v->runs, err)));
 }
 
+// A recording that both runs part from ends them, too.
+static bool is_over(const verification *v)
+{
+    return v->first.stage || v->runs[0].unlike.status != DUET_STATUS_OK ||
+           v->runs[1].unlike.status != DUET_STATUS_OK || v->done == v->steps;
+}
+
 static bool compare(verification *v, duet_error *err)
 {
-    uint64_t done = 0;
     bool ok = compare_states(v, "start", 0, err);
     v->shown = progress_begin("step", v->steps);
-    while (ok && !v->first.stage && done < v->steps && interrupt_check(err)) {
-        ok = compare_step(v, ++done, err);
-        progress_show(&v->shown, done);
+    while (ok && !is_over(v) && interrupt_check(err)) {
+        ok = compare_step(v, ++v->done, err);
+        progress_show(&v->shown, v->done);
     }
     progress_end(&v->shown);
-    return ok && (v->first.stage || done == v->steps);
+    return ok && is_over(v);
 }
 
 // ---------------------------------------------------------------- telling
@@ -190,7 +196,7 @@ static bool tell_json(const verification *v, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("type", "duet verify"), STRING("scene", duet_scene_get_info(v->scene)->name),
              NUMBER("objects", duet_motion_get_count(v->runs[0].motion)),
-             NUMBER("steps", (double)(v->first.stage ? v->first.step : v->steps)),
+             NUMBER("steps", (double)(v->first.stage ? v->first.step : v->done)),
              FLAG("equal", !v->first.stage));
     if (!v->first.stage)
         json_add_hash(o, v->runs[0].hash);
@@ -227,7 +233,7 @@ static bool tell_equal(const verification *v, duet_error *err)
     uint32_t n = duet_motion_get_count(v->runs[0].motion);
     if (ok && !v->args->json)
         printf("equal: %s, %s, state hash %016" PRIx64 ": %s\n",
-               table_things(v->steps, "step", "steps").chars,
+               table_things(v->done, "step", "steps").chars,
                table_things(n, "body", "bodies").chars, v->runs[0].hash, runs.chars);
     text_free(&runs);
     return ok;
@@ -251,8 +257,9 @@ static bool tell(const verification *v, duet_error *err)
         return false;
     if (v->first.stage)
         return tell_difference(v, err);
+    const duet_error *unlike = &v->runs[v->runs[0].unlike.status == DUET_STATUS_OK].unlike;
     return tell_equal(v, err) &&
-           (v->runs[0].unlike.status == DUET_STATUS_OK || error_copy(err, &v->runs[0].unlike));
+           (unlike->status == DUET_STATUS_OK || error_copy(err, unlike));
 }
 
 static bool run(void *given, char **operands, duet_error *err)

@@ -115,25 +115,36 @@ static void exchange_and_push(duet_motion *m, uint64_t id)
     push(m, UINT64_C(1) << 32 | id);
 }
 
-// Records STEPS steps of a scene, in which a command comes before step `at`; NULL: none comes.
-static void record(const char *scene_path, const char *path, command *give, uint32_t at,
-                   uint64_t id)
+// Records steps of a scene, in which a command comes before step `at`; NULL: none comes. Keeps the
+// state's hash before and after each step in hashes [steps + 1], if that is not NULL.
+static void record_long(const char *scene_path, const char *path, uint32_t steps, command *give,
+                        uint32_t at, uint64_t id, uint64_t *hashes)
 {
     duet_scene *scene = must(duet_scene_load(scene_path, NULL, 0, ERR));
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     duet_motion *m = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
     must(duet_motion_record(m, ERR));
-    while (duet_motion_get_step(m) < STEPS) {
+    while (duet_motion_get_step(m) < steps) {
         duet_motion_result result;
+        if (hashes)
+            must(duet_motion_get_hash(m, &hashes[duet_motion_get_step(m)], ERR));
         if (give && duet_motion_get_step(m) + 1 == at) {
             give(m, id);
             give = NULL;
         }
         must(duet_motion_advance(m, &result, ERR));
     }
+    if (hashes)
+        must(duet_motion_get_hash(m, &hashes[steps], ERR));
     must(duet_motion_save_recording(m, path, ERR));
     duet_motion_destroy(m);
     duet_scene_destroy(scene);
+}
+
+static void record(const char *scene_path, const char *path, command *give, uint32_t at,
+                   uint64_t id)
+{
+    record_long(scene_path, path, STEPS, give, at, id, NULL);
 }
 
 // Fails the test unless runs of PLAIN and ALTERED differ, as a line on stderr says it.
@@ -298,6 +309,105 @@ TEST(a_recorded_hash_that_differs_is_told_last)
     assert_non_null(strstr(p.err, "at the end; expected the recorded"));
     forge(&file, 32, 1, file.length, true);
     assert_refused("recorded from step 0, 25 places and the state hash");
+}
+
+// ---------------------------------------------------------------- kept hashes
+
+enum { LONG = 100, HEAD = 40, RECORD = 16, HASH_KIND = 254 };
+
+// Where the hashes of a recording without commands lie, as docs/formats.md has it: behind so many
+// steps each.
+#define HASH_AT(which) (HEAD + (which) * (2 * RECORD + sizeof(uint64_t)) + 2 * RECORD)
+
+TEST(a_recording_keeps_the_hash_of_each_32nd_step)
+{
+    uint64_t hashes[LONG + 1];
+    record_long(SCENE, PLAIN, LONG, NULL, 0, 0, hashes);
+    own(text) file = test_read_file(PLAIN);
+    assert_int_equal(file.length, HEAD + 3 * (2 * RECORD + 8) + RECORD + 2 * 8);
+    for (uint32_t i = 0; i < 3; ++i) {
+        uint32_t steps[4], kind[4];
+        memcpy(steps, file.chars + HASH_AT(i) - 2 * RECORD, sizeof steps);
+        memcpy(kind, file.chars + HASH_AT(i) - RECORD, sizeof kind);
+        assert_true(steps[0] == 0 && steps[1] == 32 && kind[0] == HASH_KIND && kind[1] == 1);
+        assert_memory_equal(file.chars + HASH_AT(i), &hashes[32 * (i + 1)], 8);
+    }
+    program p = program_done(program_run("verify " SCENE " --replay " PLAIN));
+    assert_ptr_equal(strstr(p.out, "equal: 100 steps, 25 bodies"), p.out);
+}
+
+static void assert_parts(const char *arguments, const char *says)
+{
+    program p = program_run("%s", arguments);
+    if (p.exit_code != 1 || !strstr(p.err, says) ||
+        strchr(p.err, '\n') != p.err + strlen(p.err) - 1)
+        fail_msg("%s: status %d, expected '%s': %s", arguments, p.exit_code, says, p.err);
+}
+
+// A push of body 7 before step `at` differs from the recorded one.
+TEST(a_replay_ends_at_the_first_kept_hash_that_differs)
+{
+    static const struct {
+        uint32_t at;
+        const char *says;
+    } cases[] = {
+        {1, " at step 32; expected the recorded "},
+        {33, "; the first step that differs is one of 33 to 64\n"},
+        {64, "; the first step that differs is one of 33 to 64\n"},
+        {65, "; the first step that differs is one of 65 to 96\n"},
+        {97, "; the first step that differs is one of 97 to 100\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        record_long(SCENE, PLAIN, LONG, push, cases[i].at, 7, NULL);
+        own(text) file = test_read_file(PLAIN);
+        const float was = 2, is = 2.5f;
+        char *impulse = file.chars;
+        while (memcmp(impulse, &was, sizeof was) != 0)
+            ++impulse;
+        memcpy(impulse, &is, sizeof is);
+        forge(&file, 0, 0, file.length, true);
+        assert_parts("verify " SCENE " --replay " ALTERED, cases[i].says);
+        assert_parts("run " SCENE " --steps 100 --replay " ALTERED, cases[i].says);
+    }
+}
+
+TEST(a_kept_hash_that_was_altered_ends_the_replay)
+{
+    record_long(SCENE, PLAIN, LONG, NULL, 0, 0, NULL);
+    own(text) file = test_read_file(PLAIN);
+    forge(&file, HASH_AT(1), 1, file.length, true);
+    program p = program_run("verify " SCENE " --replay " ALTERED);
+    assert_int_equal(p.exit_code, 1);
+    assert_ptr_equal(strstr(p.out, "equal: 64 steps"), p.out);
+    assert_non_null(strstr(p.err, "at step 64; expected the recorded"));
+}
+
+// A hash comes behind steps, and is one of 8 bytes.
+TEST(kept_hashes_of_another_form_are_refused)
+{
+    static const struct {
+        size_t at;
+        char by;
+    } forged[] = {
+        {HEAD, (char)HASH_KIND},  // a hash of the start, of 32
+        {HEAD + RECORD, 1},       // the ground's kind
+        {HEAD + RECORD + 4, 3},   // two hashes
+        {HEAD + RECORD + 8, 1},   // fields
+        {HEAD + RECORD + 12, 1},  // what is unused
+        {HASH_AT(0) + 8 + 4, 32}, // no steps
+    };
+    record_long(SCENE, PLAIN, LONG, NULL, 0, 0, NULL);
+    own(text) file = test_read_file(PLAIN);
+    for (size_t i = 0; i < sizeof forged / sizeof forged[0]; ++i) {
+        forge(&file, forged[i].at, forged[i].by, file.length, true);
+        assert_refused("the recording is cut short or damaged");
+    }
+    own(text) twice = {0};
+    text_add_bytes(&twice, file.chars, HASH_AT(0) + 8);
+    text_add_bytes(&twice, file.chars + HASH_AT(0) - RECORD, RECORD + 8);
+    text_add_bytes(&twice, file.chars + HASH_AT(0) + 8, file.length - HASH_AT(0) - 8);
+    forge(&twice, 0, 0, twice.length, true);
+    assert_refused("the recording is cut short or damaged");
 }
 
 TEST(wrong_command_lines_are_refused)
