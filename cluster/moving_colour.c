@@ -224,11 +224,13 @@ static bool give_colours(moving *m, duet_error *own)
 bool moving_colour(moving *m, duet_error *own)
 {
     waiting_list waiting = {0};
+    moving_enter(m, PHASE_COLOURS);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         wait_for_colours(m, &m->domains[k], &waiting, own);
     bool ok = waiting_colour(m, &waiting, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
         take_colours(m, &m->domains[k], waiting.contacts, waiting.n);
+    moving_enter(m, PHASE_CLOSURE);
     ok = ok && give_colours(m, own);
     free(waiting.contacts);
     return ok;
