@@ -36,9 +36,11 @@ const char *moving_phase_name(moving_phase phase)
 {
     static const char *const names[MOVING_PHASES] = {
         [PHASE_MANIFOLDS] = "manifolds", [PHASE_SLEEP] = "sleep",
-        [PHASE_COLOURS] = "colours",     [PHASE_CLOSURE] = "closure",
+        [PHASE_COLOURS] = "colours",     [PHASE_WAITING] = "waiting",
+        [PHASE_CLOSURE] = "closure",     [PHASE_LISTS] = "lists",
         [PHASE_SUBSTEPS] = "substeps",   [PHASE_FINALIZE] = "finalize",
-        [PHASE_MOVE] = "move",
+        [PHASE_LEAVE] = "leave",         [PHASE_TRAVEL] = "travel",
+        [PHASE_REPLACE] = "replace",     [PHASE_SHARE] = "share",
     };
     return names[phase];
 }

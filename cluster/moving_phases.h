@@ -8,11 +8,17 @@
 typedef enum moving_phase {
     PHASE_MANIFOLDS, // pairs, rows and manifolds
     PHASE_SLEEP,
-    PHASE_COLOURS, // contacts that wait for others' included
+    PHASE_COLOURS, // that a domain's own contacts decide
+    PHASE_WAITING, // those of contacts that wait for other domains'
     PHASE_CLOSURE, // which contacts of ghosts are solved here, and what comes when
+    PHASE_LISTS,   // contacts by colour
     PHASE_SUBSTEPS,
     PHASE_FINALIZE,
-    PHASE_MOVE, // bodies, contacts and ghosts are exchanged between domains
+    // Bodies, contacts and ghosts are exchanged between domains:
+    PHASE_LEAVE,   // those that leave are found and read
+    PHASE_TRAVEL,  // they go, and ghosts are chosen
+    PHASE_REPLACE, // motions get what came
+    PHASE_SHARE,   // places of ghosts are told, and contacts of two ghosts come
     PHASE_NONE, // between steps
     MOVING_PHASES = PHASE_NONE
 } moving_phase;
