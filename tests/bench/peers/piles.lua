@@ -84,7 +84,8 @@ for round = 1, rounds do
   for _, row in ipairs(rows) do row.results[round] = row.run(row.threads) end
 end
 print(("%d boxes, %d steps, median of %d rounds"):format(n, steps, rounds))
-print(("%-14s %7s %10s %10s %8s %9s %9s"):format("", "threads", "ms a step", "processor", "awake", "deepest", "in floor"))
+print(("%-14s %7s %10s %10s %8s %9s %9s"):format("", "threads", "ms a step", "processor", "awake", "deepest",
+  "in floor"))
 for _, row in ipairs(rows) do
   local last = row.results[rounds]
   print(("%-14s %7s %10.2f %10.2f %8d %9.4f %9.4f"):format(last.name, row.threads or "", median(row.results, "wall"),

@@ -3,10 +3,10 @@
 --
 --     duet lua --trust tests/bench/peers/still.lua DIR N RUNS DEVICE PLATFORM
 --
--- DIR holds still_bullet and still_embree (CMakeLists.txt beside this file); one that was not built
--- is left out. DEVICE is Duet's selector, PLATFORM a part of the name of its OpenCL platform; they are cpu and Portable. Times
--- are the least of RUNS, in ms: processor time on a CPU, which noise of other programs reaches
--- least, and wall clock on a GPU, for the objects lie on it then.
+-- DIR holds still_bullet and still_embree (CMakeLists.txt beside this file); one that was not built is left out.
+-- DEVICE is Duet's selector, PLATFORM a part of the name of its OpenCL platform; they are cpu and Portable. Times
+-- are the least of RUNS, in ms: processor time on a CPU, which noise of other programs reaches least, and wall clock
+-- on a GPU, for the objects lie on it then.
 local duet = require "duet"
 io.stdout:setvbuf "line" -- rows of a run that is stopped are not lost
 
