@@ -29,9 +29,9 @@ cores=$(nproc)
 jobs=${JOBS:-$((cores / 2 + 2))} scale=${SCALE:-1} limit=${LIMIT:-265}
 declare -A steps
 if [ -n "${LONG:-}" ]; then
-    steps=([5000]=600 [20000]=420 [100000]=150) world_limit=120 runs=5
+    steps=([1000]=1 [5000]=600 [20000]=420 [100000]=150) world_limit=120 runs=5
 else
-    steps=([5000]=300 [20000]=150 [100000]=100) world_limit=45 runs=3
+    steps=([1000]=1 [5000]=300 [20000]=150 [100000]=100) world_limit=45 runs=3
 fi
 threads=
 for count in $(echo "${THREADS:-4,16}" | tr , ' '); do
@@ -78,8 +78,8 @@ world() { script worlds "$dir" "$scale" "$1" "$world_limit" "$2"; } # ENGINE SCE
 # The longest first.
 part_one() {
     local engine count
-    for count in $threads; do # for the next part
-        aside "kernels for $count cores" script piles "$dir" 300 60 1 duet "$count"
+    for count in 1 $threads; do # for the next part
+        aside "kernels for $count cores" pile duet "$count" 1000
     done
     aside "pile of 20000, jolt" pile jolt 1 20000
     aside "worlds 4 to 8, duet" world duet 4,5,6,7,8
