@@ -59,7 +59,7 @@ static void clear_line(const tune_report *r)
         fprintf(stderr, "\r\033[K");
 }
 
-// Says once how long the tuning takes, if that is long enough to wonder.
+// Says once, on a terminal, how long the tuning takes, if that is long enough to wonder.
 static void tell_expected(tune_report *r, const duet_tune_progress *p)
 {
     static const double long_s = 10;
@@ -117,11 +117,11 @@ static void log_waiting(tune_report *r, const duet_tune_progress *p)
 bool tune_report_watch(void *report, const duet_tune_progress *p)
 {
     tune_report *r = report;
-    tell_expected(r, p);
     if (!r->on_terminal)
         log_waiting(r, p);
     else {
         text shown = {0};
+        tell_expected(r, p);
         write_progress(r, p, &shown);
         progress_line(text_chars(&shown));
         text_free(&shown);
