@@ -18,7 +18,7 @@ static const sql_column trial_columns[] = {
     SQL_COLUMN("terms", profile_trial, terms),
     SQL_COLUMN("focus_ns", profile_trial, focus_ns),
     SQL_COLUMN("spent_ns", profile_trial, spent_ns),
-    SQL_COLUMN("whole", profile_trial, whole),
+    SQL_COLUMN("scope", profile_trial, scope),
     {0},
 };
 
@@ -113,7 +113,7 @@ bool profile_trial_find(store *s, const char *session, const profile_plan *plan,
         sql_make(s,
                  "SELECT coalesce(max(number), -1) FROM trial WHERE session_id = ? AND "
                  "share = ? AND mode = ? AND variant_a = ? AND variant_b = ? AND outcome = 'ok' "
-                 "AND NOT whole",
+                 "AND scope = 65536",
                  err);
     sql_text(&q, session);
     sql_int(&q, plan->share);

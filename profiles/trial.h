@@ -51,7 +51,8 @@ typedef struct profile_trial {
     double b_ns;       // and of B's
     uint64_t focus_ns; // a typical launch's in the stages whose kernel was varied; else 0
     uint64_t spent_ns; // on all of it by the clock, builds included
-    bool whole;        // on the device that A and B are parts of; B's variant is its own
+    int64_t scope; // how much of the work it did, of PROFILE_SHARE_ONE, which is usual; below 0:
+                   // on the device that A and B are parts of, with B's variant
     const char *terms; // a JSON object: T_CPU1, T_GPU1, T_BUS1 ... (equations 4 to 6); NULL: none
     const profile_sample *samples;
     uint32_t n_samples;

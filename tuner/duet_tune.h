@@ -17,7 +17,8 @@ typedef struct duet_tune_progress {
                           // not known
     uint32_t launches;
     double seconds;
-    bool remembered;     // from an interrupted session, not measured again
+    bool remembered;         // from an interrupted session, not measured again
+    double expected_seconds; // that the tuning takes in all, about; 0: not known yet
     const char *waiting; // why nothing is measured now, as "other programs have 1.4 of 2 cores";
                          // NULL: a trial was measured
 } duet_tune_progress;

@@ -242,7 +242,7 @@ static bool measure_energy(measurement *m, const measure_machine *machine, const
 
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)
 {
-    assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS && (way.staged || !way.warm));
+    assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS);
     measurement m = {.trial = {.plan = *plan, .sample.share = plan->share}};
     measure_launch launches[MEASURE_LAUNCHES];
     duet_error *err = &m.failure;
@@ -273,7 +273,7 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
 trial measure_recall(const duet_plan *plan, const profile_trial *row)
 {
     trial t = {.plan = *plan,
-               .whole = row->whole,
+               .scope = (int32_t)row->scope,
                .usable = strcmp(row->outcome, "ok") == 0,
                .sample.share = plan->share,
                .focus_ns = row->focus_ns,

@@ -168,7 +168,7 @@ static bool keep_trial(void *context, uint32_t number, const measurement *m, due
     row.b_ns = (double)of->sample.b_ns;
     row.focus_ns = of->focus_ns;
     row.spent_ns = of->spent_ns;
-    row.whole = of->whole;
+    row.scope = of->scope;
     row.terms = of->usable ? text_chars(&terms) : NULL;
     row.samples = m->samples;
     row.n_samples = m->n_samples;

@@ -28,12 +28,12 @@ bool trial_log_same_plan(const duet_plan *a, const duet_plan *b)
            strcmp(a->variant_b, b->variant_b) == 0;
 }
 
-const trial *trial_log_next(trial_log *t, const duet_plan *plan, bool whole)
+const trial *trial_log_next(trial_log *t, const duet_plan *plan, int32_t scope)
 {
     if (t->played == t->n)
         return NULL;
     const trial *entry = &t->entries[t->played];
-    if (entry->whole != whole || !trial_log_same_plan(&entry->plan, plan)) {
+    if (entry->scope != scope || !trial_log_same_plan(&entry->plan, plan)) {
         t->n = t->played;
         return NULL;
     }
@@ -41,10 +41,11 @@ const trial *trial_log_next(trial_log *t, const duet_plan *plan, bool whole)
     return entry;
 }
 
-const trial *trial_log_of(const trial_log *t, const duet_plan *plan, const trial *after)
+const trial *trial_log_of(const trial_log *t, const duet_plan *plan, int32_t scope,
+                          const trial *after)
 {
     const trial *end = t->entries + t->played, *at = after ? after + 1 : t->entries;
-    while (at < end && !(at->usable && !at->whole && trial_log_same_plan(&at->plan, plan)))
+    while (at < end && !(at->usable && at->scope == scope && trial_log_same_plan(&at->plan, plan)))
         ++at;
     return at < end ? at : NULL;
 }

@@ -12,7 +12,8 @@
 
 typedef struct trial {
     duet_plan plan;
-    bool whole;            // it ran on the undivided device
+    int32_t scope;         // how much of the work it did, of DUET_SHARE_ONE; below 0: on the
+                           // undivided device
     bool usable;           // it built, ran and found the right pairs
     search_sample sample;  // its typical launch
     uint64_t focus_ns;     // that launch's time in the stages whose kernel was varied; else 0
@@ -36,10 +37,11 @@ bool trial_log_same_plan(const duet_plan *a, const duet_plan *b);
 
 // The next entry to serve, if it is for this plan; NULL at the end. If it is for another plan,
 // something that decides has changed: the rest is forgotten.
-const trial *trial_log_next(trial_log *t, const duet_plan *plan, bool whole);
+const trial *trial_log_next(trial_log *t, const duet_plan *plan, int32_t scope);
 
-// The first trial so far, or the first after `after`, that measured the plan on the pair; NULL:
-// there is none.
-const trial *trial_log_of(const trial_log *t, const duet_plan *plan, const trial *after);
+// The first trial so far, or the first after `after`, that measured the plan on that much of the
+// work; NULL: there is none.
+const trial *trial_log_of(const trial_log *t, const duet_plan *plan, int32_t scope,
+                          const trial *after);
 
 #endif

@@ -36,10 +36,13 @@ typedef struct tuning {
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
+    bool at_once;     // plans that ran before are not warmed up again, and a launch counts as it is
     double scatter;   // deviation of a launch, as part of it; INFINITY: not known
     uint32_t first;   // trial that this process measured
+    uint32_t part;    // of each device's work that a launch does, of DUET_SHARE_ONE
     focus focus;
-    duet_plan plan; // the variants chosen so far
+    duet_plan plan;  // the variants chosen so far
+    duet_plan alone; // the better single device, once there is a verdict
     mode_found founds[MOST_MODES];
     uint32_t n_founds;      // modes that were searched; 0: there is nothing to share
     uint32_t search_begun;  // at this trial
@@ -60,7 +63,8 @@ bool tuning_goes_on(const tuning *t);
 
 // Adds the trial to the log. It stops the tuning if the budget can reach no verdict, the default
 // variants find wrong pairs, the log cannot be kept, or somebody says so. The trial of a plan that
-// does not run, or of a tuning that has stopped, is not usable.
+// does not run, or of a tuning that has stopped, is not usable. Its times are those of all the
+// work, at the rate of the part that was done.
 trial tuning_run_trial(tuning *t, const duet_plan *plan);
 
 // How many launches of a trial are to count, by what the last trial's took: the usual number, or

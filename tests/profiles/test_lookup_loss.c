@@ -105,6 +105,7 @@ static void add_trial(store *s, const char *session, const truth *t, rng *r, dou
     double share = plan.share / (double)PROFILE_SHARE_ONE;
     profile_sample sample = {.total_ns = 1, .at_ns = 1};
     profile_trial trial = {.plan = plan, .outcome = "ok", .samples = &sample, .n_samples = 1};
+    trial.scope = PROFILE_SHARE_ONE;
     trial.median_ns = trial.low_ns = trial.high_ns = noisy(t, r, step_time(t, &plan, n));
     trial.a_ns = share > 0 ? noisy(t, r, part_time(t, 0, mode, n, share)) : 0;
     trial.b_ns = share < 1 ? noisy(t, r, part_time(t, 1, mode, n, 1 - share)) : 0;

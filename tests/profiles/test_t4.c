@@ -30,6 +30,7 @@ static store *make_store(const test_folder *folder)
     for (int i = 0; i < N_FAILURES; ++i) {
         profile_trial trial = {
             .plan = test_plan(0.5), .outcome = failures[i][0], .reason = "it did not run"};
+        trial.scope = PROFILE_SHARE_ONE;
         must(profile_trial_add(s, id, i, &trial, ERR));
     }
     return s;

@@ -160,6 +160,7 @@ profile_trial test_trial(uint64_t n, double share, profile_sample *samples, uint
         .a_ns = a,
         .b_ns = b,
         .terms = "{\"T_CPU1\":1.5}",
+        .scope = PROFILE_SHARE_ONE,
         .samples = samples,
         .n_samples = n_samples,
     };

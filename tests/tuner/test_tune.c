@@ -48,6 +48,12 @@ typedef struct fake {
     record *record;       // that keeps the trials; NULL: none does
     const trial_log *log; // a trial's noise follows from how many are in it; NULL: from `random`
     uint64_t seed;        // and from this
+    double launch_ms;     // that all of the work is said to take; 0: launches do all of it
+    uint32_t part;        // that launches do; 0: all
+    uint32_t wholes;      // launches of all of the work, where parts are done
+    double start_ms;      // that each launch takes besides
+    double penalty;       // of sharing all of the work, which no part tells of; 0: none
+    double spent_s;       // by launches
     uint32_t *shared;     // counts launches of all processes; NULL: nobody does
     double disturbed;     // part of the launches that another program disturbs, of the first ones
     bool one_core;        // it is the system that disturbs them, and no other program is there
@@ -73,6 +79,25 @@ static void disturb(fake *f, const duet_plan *plan, measure_launch *launch)
     launch->total_ns = launch->a_ns + launch->b_ns;
     launch->use.lost_ns = launch->use.wait_ns = (uint64_t)launch->total_ns / 2;
     launch->use.disturbed = true;
+}
+
+static void set_part(void *context, uint32_t part)
+{
+    ((fake *)context)->part = part;
+}
+
+// A start cost comes to each launch, whatever it does.
+static void take_part(fake *f, bool shared, measure_launch *launch)
+{
+    bool all = f->part == 0 || f->part == DUET_SHARE_ONE;
+    double part = all ? 1 : (double)f->part / DUET_SHARE_ONE;
+    double longer = all && shared && f->penalty > 0 ? f->penalty : 1;
+    int64_t *times[] = {&launch->total_ns, &launch->a_ns, &launch->b_ns};
+    for (int i = 0; i < 3; ++i)
+        *times[i] =
+            *times[i] == 0 ? 0 : (int64_t)((double)*times[i] * part * longer + 1e6 * f->start_ms);
+    f->wholes += f->part == DUET_SHARE_ONE;
+    f->spent_s += (double)launch->total_ns * 1e-9;
 }
 
 static core_others look_fake(void *context)
@@ -119,6 +144,7 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     launch->a_ns = (int64_t)((double)launch->a_ns * factor);
     launch->b_ns = (int64_t)((double)launch->b_ns * factor);
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
+    take_part(f, a && b, launch);
     disturb(f, plan, launch);
     bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
                  (b && strcmp(plan->variant_b, "wrong") == 0);
@@ -173,7 +199,9 @@ static void ask_fake(fake *f, question *q)
         .machine = {.context = f,
                     .launch = launch_fake,
                     .hash = RIGHT,
-                    .look_at_others = look_fake},
+                    .look_at_others = look_fake,
+                    .set_part = f->launch_ms > 0 ? set_part : NULL,
+                    .launch_ms = f->launch_ms},
         .plan = {.mode = DUET_MODE_OWN},
         .whole = {f->whole, f->whole ? open_fake : NULL},
         .one_device = f->one_device,
@@ -561,6 +589,88 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
         assert_int_equal(f.launches, whole.launches);
     }
 }
+
+// ---------------------------------------------------------------- long launches
+
+// Of 10 s by one device.
+static fake long_ones(uint64_t seed, double ratio, double start_ms)
+{
+    return (fake){.model = {.ratio = ratio, .sigma = 0.02},
+                  .random = rng_seed(seed),
+                  .factor = 1000,
+                  .launch_ms = 5000,
+                  .start_ms = start_ms};
+}
+
+TEST(long_launches_are_compared_on_a_part_of_the_items)
+{
+    static const double starts[] = {0, 0.5, 10};
+    uint64_t seed = test_seed();
+    for (int i = 0; i < 9; ++i) {
+        double ratio = (double[]){1, 1.7, 4}[i % 3];
+        fake f = long_ones(seed + (uint64_t)i, ratio, starts[i / 3]);
+        duet_tune_outcome o = tune_fake(&f);
+        double best_ms = 1e4 * ratio / (1 + ratio);
+        assert_true(is_called(&f, "faster"));
+        assert_true(simulated_excess(&f.model, o.plan.share) < 0.03);
+        assert_true(fabs(o.step_ms / best_ms - 1) < 0.1 && fabs(o.single_ms / 1e4 - 1) < 0.1);
+        assert_true(o.step_low_ms < o.step_ms && o.step_ms < o.step_high_ms);
+        assert_in_range(f.wholes, 2, 8);
+        print_message("ratio %.1f, start %.1f ms: %u launches, %.1f s\n", ratio, starts[i / 3],
+                      f.launches, f.spent_s);
+        assert_true(f.spent_s < 120); // by all items 200 launches of 5 to 10 s
+    }
+}
+
+// The part grows until a start cost is small beside it.
+TEST(a_part_is_as_large_as_a_start_needs)
+{
+    fake f = long_ones(test_seed(), 1, 0);
+    own(trial_log) none = {0}, some = {0};
+    f.model.sigma = 0;
+    must(run_fake(&f, &none, ERR));
+    f.start_ms = 20;
+    must(run_fake(&f, &some, ERR));
+    int32_t without = none.entries[none.n / 2].scope, with = some.entries[some.n / 2].scope;
+    assert_in_range(without, DUET_SHARE_ONE / 512, DUET_SHARE_ONE / 128);
+    assert_in_range(with, 4 * without, 16 * without);
+    assert_int_equal(some.entries[some.n - 1].scope, DUET_SHARE_ONE);
+}
+
+// By any part sharing is nearly twice as fast.
+TEST(a_part_that_misleads_is_found_out)
+{
+    fake f = long_ones(test_seed(), 1, 0);
+    f.penalty = 3;
+    duet_tune_outcome o = tune_fake(&f);
+    assert_false(is_called(&f, "faster"));
+    assert_true(o.plan.share == 0 || o.plan.share == DUET_SHARE_ONE);
+    assert_true(o.gain_high < 0 && fabs(o.step_ms / 1e4 - 1) < 0.1);
+}
+
+TEST(a_long_tuning_that_is_taken_up_goes_on_with_its_part)
+{
+    fake f = long_ones(test_seed(), 1.7, 0.5);
+    f.model.sigma = 0;
+    fake whole = f;
+    tune_fake(&whole);
+    record r = test_record(test_store_fresh());
+    f.record = &r;
+    f.stop_after = 3;
+    own(trial_log) kept = {0};
+    duet_error err = {0};
+    while (!run_fake(&f, &kept, &err)) {
+        assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+        err = (duet_error){0};
+        f.launch_ms *= 0.8; // another estimate
+        test_record_again(&r, &kept);
+    }
+    assert_int_equal(f.got.plan.share, whole.got.plan.share);
+    assert_int_equal(f.got.trials, whole.got.trials);
+    assert_string_equal(f.got.verdict, whole.got.verdict);
+}
+
+// ---------------------------------------------------------------- kills
 
 static void tune_in_a_process(fake *f, const char *path)
 {
