@@ -85,7 +85,7 @@ part_many() {
     wait
     for n in 20000 5000 100000; do
         for count in $threads 1; do # what takes least time first
-            [ $n$count = 1000001 ] || row "pile of $n on $count cores" pile duet,box3d "$count" $n
+            [ "$n $count" = "100000 1" ] || row "pile of $n on $count cores" pile duet,box3d "$count" $n
         done
     done
     limit=$all
