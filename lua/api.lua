@@ -316,6 +316,9 @@ api.classes = {
     contacts: integer  that push
     colours: integer
     total_ms: number  wall clock of the rank that took longest
+    slowest_ms: number  that the rank was busy that was so longest, of steps before
+    mean_ms: number  and the mean rank
+    slowest_rank: integer
     events: duet.ClusterEvent[]  contacts that began or ended, of this rank
     stays: duet.ClusterStay[]  that touch and did so in the last step, likewise
     hits: duet.ClusterHit[]  impacts above hit_speed, likewise

@@ -22,7 +22,8 @@ struct duet_replay {
     uint64_t end_hash;
     size_t at, end;      // offsets of the next record, and of the end of all
     uint32_t steps_left; // the record's
-    uint64_t equal_step; // the last of the motion's steps whose hash was seen to be the recorded one
+    uint64_t
+        equal_step; // the last of the motion's steps whose hash was seen to be the recorded one
     duet_replay_info info;
     uint64_t commands_done;
     bool begun;
@@ -189,6 +190,26 @@ void replayed_free(replayed *r)
     free(r->ids);
     free(r->rows);
     free(r->bodies);
+}
+
+replay_place replay_get_place(const duet_replay *p)
+{
+    return (replay_place){.at = p->at,
+                          .steps_left = p->steps_left,
+                          .steps_done = p->info.steps_done,
+                          .commands_done = p->commands_done,
+                          .equal_step = p->equal_step,
+                          .begun = p->begun};
+}
+
+void replay_set_place(duet_replay *p, const replay_place *place)
+{
+    p->at = place->at;
+    p->steps_left = place->steps_left;
+    p->info.steps_done = place->steps_done;
+    p->commands_done = place->commands_done;
+    p->equal_step = place->equal_step;
+    p->begun = place->begun;
 }
 
 static bool is_refusal(duet_status status)

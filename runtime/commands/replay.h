@@ -32,6 +32,17 @@ typedef struct replayed {
 bool replay_take(duet_replay *replay, const duet_motion_def *def, replayed *r, duet_error *err);
 void replayed_free(replayed *r);
 
+// How far a replay is, to which it can be set back.
+typedef struct replay_place {
+    size_t at; // the next record's offset
+    uint32_t steps_left;
+    uint64_t steps_done, commands_done, equal_step;
+    bool begun;
+} replay_place;
+
+replay_place replay_get_place(const duet_replay *replay);
+void replay_set_place(duet_replay *replay, const replay_place *place);
+
 // Says which recorded command failed, from 1 on; returns false.
 bool replay_blame(const char *path, uint64_t number, uint64_t n, const duet_error *why,
                   duet_error *err);

@@ -262,6 +262,120 @@ TEST(json_has_what_the_line_says)
     cJSON_Delete(o);
 }
 
+// ---------------------------------------------------------------- bisection
+
+#define SLIDING "test_verify.sliding.lua"
+#define HASHES "test_verify.hashes.lua"
+
+// Boxes that slide for 300 steps, and a heap behind them, in which bodies 41 and on lie on others.
+static const char sliding_text[] =
+    "add { centre = { 0, 0, -1 }, half_extents = { 90, 60, 1 }, mass = 0, friction = 0.02 }\n"
+    "for i = 1, 24 do\n"
+    "  add { centre = { i % 6 * 4, i // 6 * 4, 0.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
+    "        velocity = { 1, 0, 0 }, friction = 0.02 }\n"
+    "end\n"
+    "for i = 0, 31 do\n"
+    "  add { centre = { -20 - i % 4 * 1.01, i // 4 % 4 * 1.01, i // 16 * 1.02 + 0.52 },\n"
+    "        half_extents = { 0.5, 0.5, 0.5 }, friction = 0.5 }\n"
+    "end\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, skin = 0.1 }\n";
+
+static const char hashes_text[] = "local duet = require 'duet'\n"
+                                  "local pair <close> = assert(duet.device_pair(arg[1]))\n"
+                                  "local scene <close> = assert(duet.scene '" SLIDING "')\n"
+                                  "local motion <close> = assert(pair:motion(scene))\n"
+                                  "for _ = 1, arg[2] do\n"
+                                  "  assert(motion:advance())\n"
+                                  "  print(motion:hash())\n"
+                                  "end\n";
+
+// A kernel that is wrong on halves of the CPU.
+typedef struct wrong_kernel {
+    const char *from, *to;
+    const char *says; // stage and body
+} wrong_kernel;
+
+static const wrong_kernel wrong_kernels[] = {
+    {"velocities[id].xyz = convert_real4(velocity).xyz;",
+     "velocities[id].xyz = convert_real4(velocity).xyz;"
+     "if ((id == 9 || id == 15) && centre.x > 13.1f) velocities[id].y += 0.0001f;",
+     "solver, body 9: velocity.y is "},
+    {": point.w;", ": point.w - (link.x == 11 && s->centres[link.x].x > 21.77f ? 0.00001f : 0.0f);",
+     "manifolds, body 11: separation with body 0 is "},
+    {"k ^= k >> 13;", "k = ~(k ^ k >> 13);", "colours, body "},
+};
+
+enum { FAR = 160, WRONG = sizeof wrong_kernels / sizeof wrong_kernels[0] };
+
+// The kernel is wrong in that context and later ones.
+static const char *variables_of(const wrong_kernel *w, int context)
+{
+    static char variables[640];
+    snprintf(variables, sizeof variables,
+             "DUET_CACHE=off ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" TEST_WRONG
+             " WRONG_CONTEXT=%d WRONG_FROM='%s' WRONG_TO='%s'",
+             context, w->from, w->to);
+    return variables;
+}
+
+// The step whose hash differs first, of both runs from their first step on.
+static uint32_t find_step(const wrong_kernel *w)
+{
+    program right = program_done(program_run("lua --trust " HASHES " cpu %d", FAR));
+    program wrong =
+        program_done(program_run_with(variables_of(w, 0), "lua --trust " HASHES " halves %d", FAR));
+    for (uint32_t i = 0; i < FAR; ++i)
+        if (memcmp(right.out + 17 * i, wrong.out + 17 * i, 17) != 0)
+            return i + 1;
+    fail_msg("%s: nothing is wrong", w->to);
+    return 0;
+}
+
+static cJSON *verify(const wrong_kernel *w, const char *how, char says[static 160])
+{
+    program p = program_run_with(variables_of(w, 1),
+                                 "verify " SLIDING " --steps %d --pair cpu --other-pair halves "
+                                 "--other-share 0.5 --other-mode slab --json %s",
+                                 FAR, how);
+    cJSON *o = cJSON_Parse(p.out);
+    if (p.exit_code != 1 || !o)
+        fail_msg("%s: status %d: %s%s", how, p.exit_code, p.out, p.err);
+    snprintf(says, 160, "%s", p.err);
+    return o;
+}
+
+// Halves of an interval are an interval: besides the steps up to where it is seen no more are taken
+// than the interval has.
+TEST(a_wrong_kernel_is_found_at_its_step_stage_and_body)
+{
+    test_write_file(SLIDING, sliding_text);
+    test_write_file(HASHES, hashes_text);
+    for (int i = 0; i < WRONG; ++i) {
+        const wrong_kernel *w = &wrong_kernels[i];
+        char line[160], says[160];
+        const uint32_t step = find_step(w), every = 64;
+        cJSON *o = verify(w, "", line);
+        snprintf(says, sizeof says, "different: step %u, %s", step, w->says);
+        if (!strstr(line, says))
+            fail_msg("expected '%s': %s", says, line);
+        const double taken = cJSON_GetObjectItem(o, "steps_taken")->valuedouble;
+        const uint32_t seen = (step + every - 1) / every * every;
+        assert_true(taken <= seen + every + 1);
+        cJSON_Delete(o);
+    }
+}
+
+TEST(any_interval_finds_what_step_by_step_comparison_finds)
+{
+    static const char *const hows[] = {"--every 7", "--every 63", "--every 1000"};
+    char expected[160], line[160];
+    cJSON_Delete(verify(&wrong_kernels[0], "--every 1", expected));
+    for (size_t i = 0; i < sizeof hows / sizeof hows[0]; ++i) {
+        cJSON_Delete(verify(&wrong_kernels[0], hows[i], line));
+        assert_string_equal(line, expected);
+    }
+}
+
 // ---------------------------------------------------------------- hostile
 
 static void forge(text *file, size_t at, char by, size_t length, bool summed)
