@@ -216,7 +216,7 @@ static void move_items(const halo_side *s, const moving *m, int list, const rows
     char *packed = s->rows.rows;
     for (uint64_t i = 0; is_well(own) && i < s->runs[list].n; ++i) {
         const halo_run *run = &s->runs[list].runs[i];
-        const domain_ids ids = {s->places.rows + run->first, run->n, listed, run->first};
+        const domain_ids ids = {s->places.rows + run->first, run->n, listed, run->first, false};
         move(m->domains[run->domain].motion, rows->which, &rows->parts, &ids,
              packed + (run->first - s->first[list]) * bytes_of(&rows->parts), own);
     }

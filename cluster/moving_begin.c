@@ -342,7 +342,8 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
         m->n_domains = m->parts * (uint32_t)r->n;
         m->balance.model = work_begin();
         ok = fill(m, known, start, own);
-        m->phases.now = PHASE_NONE;
+        if (ok)
+            moving_begin_phases(m);
     }
     duet_motion_destroy(known);
     if (ok)
@@ -358,6 +359,7 @@ void moving_end(moving *m)
     for (uint32_t k = 0; m->domains && k < m->parts; ++k) {
         duet_motion_destroy(m->domains[k].motion);
         free(m->domains[k].bodies.rows);
+        free(m->domains[k].index.firsts);
         free(m->domains[k].gone.rows);
         free(m->domains[k].came.items);
         free(m->domains[k].contacts.items);

@@ -19,7 +19,7 @@ typedef enum moving_phase {
     PHASE_TRAVEL,  // they go, and ghosts are chosen
     PHASE_REPLACE, // motions get what came
     PHASE_SHARE,   // places of ghosts are told, and contacts of two ghosts come
-    PHASE_NONE, // between steps
+    PHASE_NONE,    // between steps
     MOVING_PHASES = PHASE_NONE
 } moving_phase;
 
@@ -40,7 +40,8 @@ typedef struct moving_phases {
 
 struct moving;
 
-// Ends the phase that was, and begins another.
+// Forgets what bringing bodies to their domains took. Ends the phase that was, and begins another.
+void moving_begin_phases(struct moving *m);
 void moving_enter(struct moving *m, moving_phase phase);
 
 const char *moving_phase_name(moving_phase phase);
