@@ -7,6 +7,7 @@
 #ifndef CLUSTER_MOVING_H
 #define CLUSTER_MOVING_H
 
+#include "cluster/moving_every.h"
 #include "cluster/moving_phases.h"
 #include "cluster/ranks.h"
 #include "runtime/dynamics/pair_list.h"
@@ -55,8 +56,9 @@ void moving_end(moving *m);
 bool moving_step(moving *m, duet_error *own);
 
 // The colours after which ghosts come at the latest; from the next step on so many, which changes
-// no bit of it.
+// no bit of it, and nothing is tried.
 uint32_t moving_get_every(const moving *m);
+const every_trial *moving_get_trial(const moving *m);
 bool moving_set_every(moving *m, uint32_t every, duet_error *own);
 bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
 

@@ -22,6 +22,7 @@
 #include "cluster/list.h"
 #include "cluster/moving.h"
 #include "cluster/moving_events.h"
+#include "cluster/moving_every.h"
 #include "cluster/moving_phases.h"
 #include "cluster/work.h"
 #include "kernels/dynamics/border.h"
@@ -120,6 +121,7 @@ struct moving {
     uint64_t n_in_order; // contacts of COLOUR_OVERFLOW, of all ranks
     moving_counts counts;
     moving_phases phases;
+    every_trial trial;
 };
 
 static inline moving_traveller *moving_traveller_at(const moving *m, const item_list *rows,

@@ -163,13 +163,24 @@ static bool run_steps(moved *r, duet_error *err)
     return ok;
 }
 
-// Who says how often ghosts come: the command line, this run's tuning, the store by a grade, or
-// nobody.
+// Who says how often ghosts come: this run's tuning or its own trial, the command line, the store
+// by a grade, or nobody.
 static const char *ghosts_by(const moved *r)
 {
-    return r->tune.state != TUNE_NONE          ? "tuned"
-           : inputs_plan_given(&r->args->plan) ? "given"
-                                               : duet_grade_name(r->grade);
+    return r->tune.state != TUNE_NONE                       ? "tuned"
+           : moving_get_trial(r->cluster->moving)->is_tried ? "tried"
+           : inputs_plan_given(&r->args->plan)              ? "given"
+                                                            : duet_grade_name(r->grade);
+}
+
+// The times of a step with each number of colours that was tried.
+static void add_tried(cJSON *o, const moved *r)
+{
+    const every_trial *t = moving_get_trial(r->cluster->moving);
+    cJSON *rows = t->is_tried ? cJSON_AddArrayToObject(o, "tried") : NULL;
+    for (int i = 0; rows && i < EVERY_RIVALS; ++i)
+        json_add(json_add_row(rows), NUMBER("colours_between", every_rivals[i]),
+                 NUMBER("ms", 1e-6 * t->best_ns[i]));
 }
 
 // Where the time of rank 0's steps went.
@@ -203,6 +214,7 @@ static bool report(const moved *r, duet_error *err)
     if (r->mean_ms > 0)
         json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
                  NUMBER("slowest_rank", last->slowest_rank));
+    add_tried(o, r);
     if (r->args->phases || r->args->json)
         add_phases(o, r);
     json_add_hash(o, r->hash);

@@ -21,9 +21,12 @@ return function(o)
   row("contacts", count(o.contacts), "push, in " .. report.things(o.colours, "colour", "colours"))
   row("ghosts", count(o.ghosts), "bodies that domains have of others")
   if o.ranks > 1 or o.parts > 1 then
-    local by = { tuned = "tuned", given = "as given", default = "by default" }
+    local by = { tuned = "tuned", given = "as given", default = "by default", tried = "tried" }
     row("exchanges", count(o.colours_between), ("%s at the most between two; %s"):format(
       o.colours_between == 1 and "colour" or "colours", by[o.colours_by] or "stored, " .. o.colours_by))
+  end
+  for _, t in ipairs(o.tried or {}) do
+    row("", ("%.3f"):format(t.ms), ("ms a step with %s"):format(report.things(t.colours_between, "colour", "colours")))
   end
   if o.slowest_part and o.ranks > 1 then
     row("slowest", ("%.2f"):format(o.slowest_part), ("times the mean rank's work a step; rank %.0f last"):format(o.slowest_rank))
