@@ -383,9 +383,9 @@ moving_counts moving_get_counts(const moving *m)
     return m->counts;
 }
 
-const phase_cost *moving_get_costs(const moving *m)
+const moving_phases *moving_get_phases(const moving *m)
 {
-    return m->phases.costs;
+    return &m->phases;
 }
 
 duet_motion *moving_get_motion(const moving *m, uint32_t k)

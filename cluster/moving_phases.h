@@ -36,11 +36,12 @@ typedef struct moving_phases {
     moving_phase now;
     phase_cost begun; // all that had been when it was entered
     phase_cost costs[MOVING_PHASES + 1];
+    uint64_t n_moves; // exchanges of bodies
 } moving_phases;
 
 struct moving;
 
-// Forgets what bringing bodies to their domains took. Ends the phase that was, and begins another.
+// Forgets what phases took so far: as kernels were built, or bodies were brought. Ends the phase that was, and begins another.
 void moving_begin_phases(struct moving *m);
 void moving_enter(struct moving *m, moving_phase phase);
 

@@ -346,6 +346,7 @@ bool moving_settle(moving *m, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
     const moving_phase before = m->phases.now;
     moving_enter(m, PHASE_LEAVE);
+    ++m->phases.n_moves;
     for (uint32_t k = 0; parted && k < m->parts; ++k) {
         parted[k] = m->domains[k].contacts;
         m->domains[k].contacts = (item_list){0};

@@ -1,9 +1,37 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/row_order.h"
 
-typedef struct keyed_row {
-    uint64_t key, row;
-} keyed_row;
+// ---------------------------------------------------------------- by digits
+
+enum { DIGIT_BITS = 8, DIGITS = 1 << DIGIT_BITS };
+
+static uint32_t digit_of(const keyed_row *row, int shift)
+{
+    return (uint32_t)(row->key >> shift) & (DIGITS - 1);
+}
+
+static void move_by_digit(const keyed_row *from, uint64_t n, int shift, keyed_row *to)
+{
+    uint64_t starts[DIGITS + 1] = {0};
+    for (uint64_t i = 0; i < n; ++i)
+        ++starts[digit_of(&from[i], shift) + 1];
+    for (int k = 0; k < DIGITS; ++k)
+        starts[k + 1] += starts[k];
+    for (uint64_t i = 0; i < n; ++i)
+        to[starts[digit_of(&from[i], shift)]++] = from[i];
+}
+
+// So many bits are an even number of digits.
+void keys_order(keyed_row *rows, uint64_t n, int bits)
+{
+    keyed_row *spare = rows + n;
+    for (int shift = 0; shift < bits; shift += 2 * DIGIT_BITS) {
+        move_by_digit(rows, n, shift, spare);
+        move_by_digit(spare, n, shift + DIGIT_BITS, rows);
+    }
+}
+
+// ---------------------------------------------------------------- by what ascends
 
 // The end of the keys that ascend from one on.
 static uint64_t end_of_run(const keyed_row *rows, uint64_t first, uint64_t n)
