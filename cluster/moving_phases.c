@@ -18,6 +18,11 @@ static phase_cost cost_so_far(const moving *m)
     return c;
 }
 
+void moving_begin_phases(moving *m)
+{
+    m->phases = (moving_phases){.now = PHASE_NONE, .begun = cost_so_far(m)};
+}
+
 void moving_enter(moving *m, moving_phase phase)
 {
     moving_phases *p = &m->phases;
@@ -35,12 +40,10 @@ void moving_enter(moving *m, moving_phase phase)
 const char *moving_phase_name(moving_phase phase)
 {
     static const char *const names[MOVING_PHASES] = {
-        [PHASE_MANIFOLDS] = "manifolds", [PHASE_SLEEP] = "sleep",
-        [PHASE_COLOURS] = "colours",     [PHASE_WAITING] = "waiting",
-        [PHASE_CLOSURE] = "closure",     [PHASE_LISTS] = "lists",
-        [PHASE_SUBSTEPS] = "substeps",   [PHASE_FINALIZE] = "finalize",
-        [PHASE_LEAVE] = "leave",         [PHASE_TRAVEL] = "travel",
-        [PHASE_REPLACE] = "replace",     [PHASE_SHARE] = "share",
+        [PHASE_MANIFOLDS] = "manifolds", [PHASE_SLEEP] = "sleep",       [PHASE_COLOURS] = "colours",
+        [PHASE_WAITING] = "waiting",     [PHASE_CLOSURE] = "closure",   [PHASE_LISTS] = "lists",
+        [PHASE_SUBSTEPS] = "substeps",   [PHASE_FINALIZE] = "finalize", [PHASE_LEAVE] = "leave",
+        [PHASE_TRAVEL] = "travel",       [PHASE_REPLACE] = "replace",   [PHASE_SHARE] = "share",
     };
     return names[phase];
 }

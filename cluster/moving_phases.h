@@ -19,7 +19,7 @@ typedef enum moving_phase {
     PHASE_TRAVEL,  // they go, and ghosts are chosen
     PHASE_REPLACE, // motions get what came
     PHASE_SHARE,   // places of ghosts are told, and contacts of two ghosts come
-    PHASE_NONE, // between steps
+    PHASE_NONE,    // between steps
     MOVING_PHASES = PHASE_NONE
 } moving_phase;
 
@@ -36,11 +36,13 @@ typedef struct moving_phases {
     moving_phase now;
     phase_cost begun; // all that had been when it was entered
     phase_cost costs[MOVING_PHASES + 1];
+    uint64_t n_moves; // exchanges of bodies
 } moving_phases;
 
 struct moving;
 
-// Ends the phase that was, and begins another.
+// Forgets what phases took so far: as kernels were built, or bodies were brought. Ends the phase that was, and begins another.
+void moving_begin_phases(struct moving *m);
 void moving_enter(struct moving *m, moving_phase phase);
 
 const char *moving_phase_name(moving_phase phase);

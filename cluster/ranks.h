@@ -89,7 +89,7 @@ static inline bool is_well(const duet_error *own)
 // Numbers that ranks add to whether they are well: sums over all, and the greatest of all. One
 // message is as quick as another, so a phase has few of them.
 typedef struct tally {
-    uint64_t sums[4];
+    uint64_t sums[6];
     double greatest[2];
 } tally;
 
