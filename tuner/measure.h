@@ -77,6 +77,9 @@ typedef struct measure_way {
 // disturbed launches are repeated, there are at most twice as many and four more.
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
 
+// Makes a trial of the plan again from what the store holds of it.
+trial measure_recall(const duet_plan *plan, const profile_trial *row);
+
 int64_t measure_to_ns(double ms);
 
 // Begins to watch a launch by the pair, until core_watch_stop. Its work is spread over the units of

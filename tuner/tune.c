@@ -88,7 +88,7 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
     }
     outcome->watched = t.watched;
     outcome->disturbed = t.disturbed;
-    outcome->trials = state->played + t.unlogged;
+    outcome->trials = state->played;
     outcome->launches = t.launches;
     outcome->seconds = (double)(t.spent_ns + t.waited_ns) * 1e-9;
     return ok;

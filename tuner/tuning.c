@@ -23,8 +23,8 @@ bool tuning_goes_on(const tuning *t)
     const duet_tune_def *def = t->problem->def;
     double spent_s = (double)(t->spent_ns + t->waited_ns) * 1e-9;
     bool in_time = def->budget_seconds <= 0 || spent_s < t->stage_end * def->budget_seconds;
-    bool in_trials = def->budget_trials == 0 ||
-                     t->state->played + t->unlogged < trial_budget_end(t->problem, t->stage_end);
+    bool in_trials =
+        def->budget_trials == 0 || t->state->played < trial_budget_end(t->problem, t->stage_end);
     return t->why.status == DUET_STATUS_OK && in_time && in_trials;
 }
 
@@ -82,7 +82,7 @@ static duet_tune_progress progress_of(const tuning *t, const duet_plan *plan)
 {
     return (duet_tune_progress){.stage = t->stage,
                                 .plan = plan,
-                                .trials = t->state->played + t->unlogged,
+                                .trials = t->state->played,
                                 .launches = t->launches,
                                 .seconds = (double)t->spent_ns * 1e-9};
 }
@@ -224,7 +224,7 @@ static bool is_warm(const tuning *t, const duet_plan *plan)
     return warm;
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, trial *got)
+static bool measure_live(tuning *t, const measure_machine *whole, const duet_plan *plan, trial *got)
 {
     const tune_recorder *recorder = &t->problem->recorder;
     const measure_way way = {.repeats = t->repeats,
@@ -232,16 +232,19 @@ static bool measure_live(tuning *t, const duet_plan *plan, trial *got)
                              .staged = t->focus.stages,
                              .meter = t->problem->meter};
     measurement m;
-    if (!budget_check(&t->why) || !measure_in_quiet(t, &t->problem->machine, plan, way, &m))
+    if (!budget_check(&t->why) ||
+        !measure_in_quiet(t, whole ? whole : &t->problem->machine, plan, way, &m))
         return false;
+    m.trial.whole = whole;
+    if (m.trial.usable && t->focus.stages)
+        m.trial.focus_ns =
+            measure_stages_ns(&m.launch, t->focus.device, t->focus.stages, t->focus.n);
     *got = m.trial;
-    if (got->usable && t->focus.stages)
-        got->focus_ns = measure_stages_ns(&m.launch, t->focus.device, t->focus.stages, t->focus.n);
     if (!trial_log_add(t->state, got, &t->why))
         return false;
-    ++t->state->played;
-    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, &t->why)) &&
-           check_measured(t, plan, &m);
+    uint32_t number = t->state->played++;
+    return (!recorder->trial || recorder->trial(recorder->context, number, &m, &t->why)) &&
+           (whole || check_measured(t, plan, &m));
 }
 
 static void count_trial(tuning *t, const trial *entry)
@@ -252,15 +255,15 @@ static void count_trial(tuning *t, const trial *entry)
     t->spent_ns += entry->spent_ns;
 }
 
-trial tuning_run_trial(tuning *t, const duet_plan *plan)
+trial tuning_run_on(tuning *t, const measure_machine *whole, const duet_plan *plan)
 {
     trial got = {0};
     if (t->why.status != DUET_STATUS_OK)
         return got;
-    const trial *kept = trial_log_next(t->state, plan);
+    const trial *kept = trial_log_next(t->state, plan, whole);
     if (kept)
         got = *kept;
-    else if (!measure_live(t, plan, &got))
+    else if (!measure_live(t, whole, plan, &got))
         return (trial){0};
     t->first = kept ? t->state->played : t->first;
     count_trial(t, &got);
@@ -271,13 +274,7 @@ trial tuning_run_trial(tuning *t, const duet_plan *plan)
     return got;
 }
 
-trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan)
+trial tuning_run_trial(tuning *t, const duet_plan *plan)
 {
-    measurement m;
-    if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m))
-        return (trial){0};
-    ++t->unlogged;
-    count_trial(t, &m.trial);
-    tell_trial(t, &m.trial, false);
-    return m.trial;
+    return tuning_run_on(t, NULL, plan);
 }

@@ -45,7 +45,6 @@ typedef struct tuning {
     uint32_t search_begun;  // at this trial
     uint32_t search_trials; // about so many that the search of kernels takes; UINT32_MAX: not known
     uint32_t launches;
-    uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
     uint32_t watched; // launches whose threads were watched
     uint32_t disturbed;
@@ -68,8 +67,8 @@ trial tuning_run_trial(tuning *t, const duet_plan *plan);
 // more if they scatter and are short, which cost least.
 uint32_t tuning_count_launches(const tuning *t, uint32_t usual);
 
-// The same on any machine, without the log: a resumed tuning runs it again.
-trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan);
+// The same on the undivided device; whole NULL: on the pair.
+trial tuning_run_on(tuning *t, const measure_machine *whole, const duet_plan *plan);
 
 // The tuning has waited for other programs as long as it may, and has stopped because of that.
 bool tuning_is_out_of_patience(const tuning *t);

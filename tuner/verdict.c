@@ -260,11 +260,11 @@ void verdict_race_whole(tuning *t)
 {
     const tune_whole *whole = &t->problem->whole;
     duet_tune_outcome *outcome = t->outcome;
-    measure_machine machines[2] = {t->problem->machine};
-    field f = {.plans = {outcome->plan}, .n = 2, .machines = machines};
+    measure_machine machine;
+    field f = {.plans = {outcome->plan}, .n = 2, .whole = &machine};
     if (!whole->open || t->why.status != DUET_STATUS_OK)
         return;
-    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &f.plans[1])) {
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machine, &f.plans[1])) {
         if (!budget_check_stop(NULL))
             tuning_stop(t);
         return;

@@ -5,6 +5,7 @@
 // half changes what a caller may ask meanwhile.
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recorded_steps.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -345,6 +346,7 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
     fill_result(m, result);
     m->times.untimed = true; // work between steps is no step's
     result->total_ms = ms + clock_ms_since(begun);
+    recorded_steps_note(m);
     return true;
 }
 

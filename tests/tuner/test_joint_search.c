@@ -2,6 +2,8 @@
 // Strategies that choose kernels and share together, on two kernels that are only arithmetic.
 #include "support/test.h"
 
+#include "support/recorded.h"
+#include "support/store.h"
 #include "tuner/joint_space.h"
 #include "tuner/strategy.h"
 #include "tuner/tune.h"
@@ -21,6 +23,7 @@ typedef struct fake {
     uint32_t launches, stop_after;
     uint32_t most_trials; // 0: any number
     uint32_t repeats;     // of a trial; 0: one
+    record *record;       // that keeps the trials; NULL: none does
 } fake;
 
 static void invent(fake *f)
@@ -169,6 +172,8 @@ static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
         .script = own,
         .fair = f->slower == 1 ? SEARCH_ONE / 2 : 0,
         .least_share = 8};
+    if (f->record)
+        problem.recorder = record_recorder(f->record);
     return tune_run(&problem, log, outcome, err);
 }
 
@@ -493,7 +498,7 @@ TEST(no_plan_is_measured_twice)
     }
 }
 
-// Stopped after every few trials, and taken up from JSON each time.
+// Stopped after every few trials, and taken up from the store each time.
 TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 {
     static const char *const names[] = {"random", "annealing"};
@@ -504,13 +509,12 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
         duet_error err = {0};
         trial_log log = {0};
         uint32_t stops = 0;
+        record r = test_record(test_store_fresh());
+        f.record = &r;
         for (f.stop_after = 9; !run_fake(&f, names[k], NULL, &log, &o, &err); ++stops) {
-            own(text) json = {0};
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
-            trial_log_to_json(&log, &json);
-            trial_log_free(&log);
-            must(trial_log_from_json(&log, text_chars(&json), ERR));
+            test_record_again(&r, &log);
         }
         assert_true(stops > 10);
         assert_string_equal(o.plan.variant_a, expected.plan.variant_a);
