@@ -18,16 +18,6 @@ enum { CHUNK = 1 << 18 };
 // (docs/notes/performance.md).
 enum { LEAST_INNER = 1 << 12, LEAST_INNER_ON_HOST = 1 << 14 };
 
-// A mesh that a body carries has its rows made from one domain's bodies.
-static bool check_mesh(const duet_motion *motion, const char *scene, duet_error *own)
-{
-    return !motion->def.mesh || motion->def.mesh->carrier == 0 ||
-           error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: a mesh that a body carries is not for several domains yet; expected one "
-                     "without a carrier",
-                     scene);
-}
-
 // ---------------------------------------------------------------- the whole, on rank 0
 
 static duet_motion *know_objects(const duet_scene *scene, duet_device_pair *pair, duet_error *own)
@@ -46,8 +36,6 @@ static duet_motion *know_scene(const moving_start *start, duet_error *own)
 {
     duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
     duet_motion *known = scene ? know_objects(scene, start->pair, own) : NULL;
-    if (known)
-        check_mesh(known, duet_scene_get_info(scene)->name, own);
     duet_scene_destroy(scene);
     return known;
 }

@@ -4,6 +4,7 @@
 
 #include "base/compare.h"
 #include "base/error.h"
+#include "runtime/bodies/ground_def.h"
 
 #include <inttypes.h>
 
@@ -40,6 +41,12 @@ uint32_t moving_place(const moving_domain *d, uint32_t id)
 {
     const uint64_t at = list_find(&d->bodies.list, sizeof *d->bodies.rows, &id, compare_uint32);
     return at < d->bodies.n && d->bodies.rows[at].id == id ? (uint32_t)at : UINT32_MAX;
+}
+
+uint32_t moving_carrier_place(const moving *m, const moving_domain *d)
+{
+    const uint32_t carrier = ground_def_carrier(&m->def);
+    return carrier > 0 ? moving_place(d, carrier - 1) : UINT32_MAX;
 }
 
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)
@@ -242,6 +249,13 @@ static void keep_contacts(const moving *m, const moving_domain *d, duet_error *o
     free(moved);
 }
 
+static void find_carrier(const moving *m, const moving_domain *d)
+{
+    const uint32_t place = moving_carrier_place(m, d);
+    if (place != UINT32_MAX)
+        domain_set_carrier(d->motion, place);
+}
+
 // Places stay as they were until contacts are kept.
 static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own)
 {
@@ -251,6 +265,7 @@ static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own
     d->n_own = (uint32_t)(d->bodies.n - d->gone.n + d->n_came_own);
     domain_splice(b, d->bodies.rows, r->fresh, sizeof *r->fresh);
     d->bodies.n = b->n;
+    find_carrier(m, d);
     keep_contacts(m, d, own);
     domain_splice(b, d->places, r->places, sizeof *r->places);
     moving_note_fixed(m, d, b->n);
