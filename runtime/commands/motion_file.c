@@ -285,6 +285,7 @@ static void take_counts(duet_motion *copy, const saved_head *h)
 {
     copy->step = h->step;
     copy->graph.n_contacts = h->n_contacts;
+    copy->graph.n_without = 0;
     copy->graph.n_pairs = (cl_uint)h->n_pairs;
     copy->products = products_of_saved(h->has_graph);
     altered_forget(&copy->altered);

@@ -77,7 +77,7 @@ typedef struct motion_args {
     cl_float4 spring, hard_spring, fall;
     cl_float load_speed, margin, least_speed;
     cl_float soon; // 1 / two substeps' time
-    arg_real skin, horizon;
+    arg_real skin, horizon, skins;
     arg_real aabb_margin, contact_margin; // bounds of objects: with half a skin, and without
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
