@@ -41,6 +41,7 @@ typedef struct job {
     int err_pipe;      // its stderr; -1: closed
     bool mid_line;     // what passed last was no end of a line
     bool drops;        // what passes is a line that is not told
+    bool told;         // a line of Duet has passed
     int asked;         // a socket: ranks write there that they were asked to stop; -1: none
     int status;        // that waitpid tells
     uint64_t start_ns; // by when ranks are to have begun; 0: there is no limit
@@ -167,8 +168,10 @@ static bool is_stopping(const job *j)
 // which is then asked to end it, has much to say of that.
 static bool passes(job *j, char byte)
 {
-    if (!j->mid_line)
+    if (!j->mid_line) {
         j->drops = is_stopping(j) && !j->what->verbose && byte != 'd';
+        j->told |= byte == 'd'; // as "duet: "
+    }
     j->mid_line = byte != '\n' && byte != '\r';
     return !j->drops;
 }
@@ -338,6 +341,10 @@ static bool explain(const job *j, int *status, duet_error *err)
                          "the ranks on %s have not begun within %lu s; expected machines that ssh "
                          "reaches, and that reach this one",
                          j->what->hosts, j->patience_s);
+    if (WIFSIGNALED(j->status) && j->alone_ns > 0 && j->told) {
+        *status = EXIT_FAILED;
+        return true;
+    }
     if (WIFSIGNALED(j->status) && j->alone_ns > 0)
         return error_set(err, DUET_STATUS_IO_FAILED,
                          "the ranks have ended, and mpirun did not: it was ended after %u s",

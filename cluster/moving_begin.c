@@ -18,16 +18,6 @@ enum { CHUNK = 1 << 18 };
 // (docs/notes/performance.md).
 enum { LEAST_INNER = 1 << 12, LEAST_INNER_ON_HOST = 1 << 14 };
 
-// A mesh that a body carries has its rows made from one domain's bodies.
-static bool check_mesh(const duet_motion *motion, const char *scene, duet_error *own)
-{
-    return !motion->def.mesh || motion->def.mesh->carrier == 0 ||
-           error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: a mesh that a body carries is not for several domains yet; expected one "
-                     "without a carrier",
-                     scene);
-}
-
 // ---------------------------------------------------------------- the whole, on rank 0
 
 static duet_motion *know_objects(const duet_scene *scene, duet_device_pair *pair, duet_error *own)
@@ -46,8 +36,6 @@ static duet_motion *know_scene(const moving_start *start, duet_error *own)
 {
     duet_scene *scene = duet_scene_load(start->path, start->settings, start->n_settings, own);
     duet_motion *known = scene ? know_objects(scene, start->pair, own) : NULL;
-    if (known)
-        check_mesh(known, duet_scene_get_info(scene)->name, own);
     duet_scene_destroy(scene);
     return known;
 }
@@ -180,8 +168,8 @@ static void measure_rows(moving *m)
 {
     const duet_motion *first = m->domains[0].motion;
     m->def = first->def; // whose ground is a copy
-    m->every = first->plan.colours > 0 ? first->plan.colours : 1;
-    m->trial.is_given = first->plan.colours > 0;
+    m->every = moving_allowed_every(m, first->plan.colours > 0 ? first->plan.colours : 1);
+    m->trial.is_fixed = first->plan.colours > 0 || moving_allowed_every(m, UINT32_MAX) == 1;
     m->least_inner = m->ranks->n_on_host < m->ranks->n ? LEAST_INNER : LEAST_INNER_ON_HOST;
     m->traveller_bytes = sizeof(moving_traveller) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);

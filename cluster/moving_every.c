@@ -85,7 +85,7 @@ static bool end_turn(moving *m, duet_error *own)
 bool every_choose(moving *m, duet_error *own)
 {
     every_trial *e = &m->trial;
-    if (e->is_given || !moving_pushes(m))
+    if (e->is_fixed || !moving_pushes(m))
         return true;
     if (e->turn > 0)
         return e->n_steps < TURN_STEPS || end_turn(m, own);

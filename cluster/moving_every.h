@@ -11,15 +11,15 @@ enum { EVERY_RIVALS = 3 };
 extern const uint32_t every_rivals[EVERY_RIVALS];
 
 typedef struct every_trial {
-    bool is_given;                // by a plan, a profile or the caller: nothing is tried
-    bool is_tried;                // each has its time
-    uint32_t turn;                // of the trial under way, from 1; 0: none is
-    uint64_t next;                // the step before which there is no other one
-    uint64_t begun_ns;            // of this rank's step, as are
-    uint64_t quickest_ns;         // exchange of ghosts
-    uint32_t n_exchanges;         // of ghosts after colours
-    uint32_t n_steps;             // of the turn, or since the last one, all ranks', as are
-    double ns, latency_ns;        // that they took, and what exchanges take of that at least
+    bool is_fixed;         // by a plan, a profile, the caller or the ground: nothing is tried
+    bool is_tried;         // each has its time
+    uint32_t turn;         // of the trial under way, from 1; 0: none is
+    uint64_t next;         // the step before which there is no other one
+    uint64_t begun_ns;     // of this rank's step, as are
+    uint64_t quickest_ns;  // exchange of ghosts
+    uint32_t n_exchanges;  // of ghosts after colours
+    uint32_t n_steps;      // of the turn, or since the last one, all ranks', as are
+    double ns, latency_ns; // that they took, and what exchanges take of that at least
     double best_ns[EVERY_RIVALS]; // a step of the quickest turn
 } every_trial;
 

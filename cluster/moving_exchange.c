@@ -5,6 +5,7 @@
 #include "base/compare.h"
 #include "base/error.h"
 #include "cluster/parcels.h"
+#include "runtime/bodies/ground_def.h"
 
 #include <inttypes.h>
 
@@ -116,12 +117,18 @@ static double layers_of(const moving *m)
     return lesser(m->every - 1.0, most);
 }
 
+// The ground goes with its carrier, so all domains have that.
+static bool is_ghost_of(const moving *m, const moving_traveller *t, const extent *box, uint32_t to)
+{
+    return extents_meet(box, &m->reaches[to]) || t->body.id + 1 == ground_def_carrier(&m->def);
+}
+
 static void add_ghosts_of(moving *m, const moving_domain *d, const moving_traveller *t,
                           item_list *out)
 {
     const extent box = extent_of_box(t->far_box);
     for (uint32_t to = 0; to < m->n_domains; ++to) {
-        if (to == d->number || !extents_meet(&box, &m->reaches[to]))
+        if (to == d->number || !is_ghost_of(m, t, &box, to))
             continue;
         list_add(out, t, 1, m->traveller_bytes);
         if (!out->failed)
@@ -134,13 +141,22 @@ static void add_ghosts_of(moving *m, const moving_domain *d, const moving_travel
     }
 }
 
-// Own bodies that stay and are near to others, of those that the device lists.
-static void choose_staying(const moving_domain *d, const domain_near *near, uint32_t n,
-                           row_list *places)
+static bool stays(const moving_domain *d, uint32_t place)
 {
+    return !bsearch(&place, d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32);
+}
+
+// Own bodies that stay and are near to others, of those that the device lists, and the ground's
+// carrier.
+static void choose_staying(const moving *m, const moving_domain *d, const domain_near *near,
+                           uint32_t n, row_list *places)
+{
+    const uint32_t carrier = moving_carrier_place(m, d);
     for (uint32_t i = 0; i < n; ++i)
-        if (!bsearch(&near[i].place, d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32))
+        if (near[i].place != carrier && stays(d, near[i].place))
             row_list_add(places, near[i].place);
+    if (carrier != UINT32_MAX && moving_owns(d, carrier) && stays(d, carrier))
+        row_list_add(places, carrier);
     row_list_sort(places);
 }
 
@@ -155,7 +171,7 @@ static void list_staying(const moving *m, const moving_domain *d, row_list *plac
         if (k != d->number && extent_widest(&m->reaches[k]) >= 0.0)
             moving_round_extent(m, &m->reaches[k], false, extents[n_extents++]);
     if (is_well(own) && domain_list_meeting(d->motion, extents[0], n_extents, &near, &n, own))
-        choose_staying(d, near, n, places);
+        choose_staying(m, d, near, n, places);
     free(extents);
     free(near);
 }

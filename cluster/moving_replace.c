@@ -5,6 +5,7 @@
 #include "base/compare.h"
 #include "base/error.h"
 #include "cluster/row_order.h"
+#include "runtime/bodies/ground_def.h"
 
 #include <inttypes.h>
 
@@ -81,6 +82,12 @@ uint32_t moving_place(const moving_domain *d, uint32_t id)
             in.high = middle;
     }
     return in.low < d->bodies.n && d->bodies.rows[in.low].id == id ? (uint32_t)in.low : UINT32_MAX;
+}
+
+uint32_t moving_carrier_place(const moving *m, const moving_domain *d)
+{
+    const uint32_t carrier = ground_def_carrier(&m->def);
+    return carrier > 0 ? moving_place(d, carrier - 1) : UINT32_MAX;
 }
 
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)
@@ -283,6 +290,13 @@ static void keep_contacts(const moving *m, const moving_domain *d, duet_error *o
     free(moved);
 }
 
+static void find_carrier(const moving *m, const moving_domain *d)
+{
+    const uint32_t place = moving_carrier_place(m, d);
+    if (place != UINT32_MAX)
+        domain_set_carrier(d->motion, place);
+}
+
 // Places stay as they were until contacts are kept.
 static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own)
 {
@@ -292,6 +306,7 @@ static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own
     d->n_own = (uint32_t)(d->bodies.n - d->gone.n + d->n_came_own);
     domain_splice(b, d->bodies.rows, r->fresh, sizeof *r->fresh);
     d->bodies.n = b->n;
+    find_carrier(m, d);
     keep_contacts(m, d, own);
     domain_splice(b, d->places, r->places, sizeof *r->places);
     moving_note_fixed(m, d, b->n);

@@ -60,11 +60,13 @@ static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
     return true;
 }
 
-// Walls are the objects after the last. A contact in another domain has no place at all.
-static bool move_walls(duet_motion *m, uint32_t old_n, duet_error *err)
+// Walls and the ground are the objects after the last. A contact in another domain has no place at
+// all.
+static bool move_fixed(duet_motion *m, uint32_t old_n, duet_error *err)
 {
     motion_rows rows;
-    if (!m->kernels.contact_graph_walls || m->graph.n_contacts == 0)
+    const bool touches = m->kernels.contact_graph_walls || m->kernels.contact_graph_ground;
+    if (!touches || m->graph.n_contacts == 0)
         return true;
     if (!motion_rows_of_words(m, LINKS, m->graph.n_contacts, 2, &rows, err))
         return false;
@@ -86,9 +88,9 @@ static bool make_space(duet_motion *m, uint32_t n, duet_error *err)
     memset(c->states + old_n, PLACE_EMPTY, n - old_n);
     c->n_hidden += n - old_n;
     m->n = n;
-    motion_forget_events(&m->told); // walls have other numbers
+    motion_forget_events(&m->told); // walls and ground have other numbers
     return motion_grow(m, old_n, err) && timeline_finish(&m->times, err) &&
-           move_walls(m, old_n, err);
+           move_fixed(m, old_n, err);
 }
 
 static bool settle(duet_motion *m, const command *c, duet_error *err)

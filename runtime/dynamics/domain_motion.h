@@ -141,6 +141,9 @@ void domain_splice(const domain_bodies *b, void *rows, const void *fresh_rows, s
 bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_contacts *c,
                            duet_error *err);
 
+// Says where the body is that carries the mesh, which each domain has.
+void domain_set_carrier(duet_motion *m, uint32_t place);
+
 // Makes the bounds that the next step has.
 bool domain_make_bounds(duet_motion *m, duet_error *err);
 

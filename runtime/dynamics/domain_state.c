@@ -413,6 +413,11 @@ bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_
            timeline_finish(&m->times, err);
 }
 
+void domain_set_carrier(duet_motion *m, uint32_t place)
+{
+    m->ground.carrier = place;
+}
+
 // ---------------------------------------------------------------- rows to be saved
 
 // Rows of contacts, and of those that a body that moves is the other of.

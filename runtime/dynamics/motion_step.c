@@ -269,11 +269,17 @@ static bool respond(duet_motion *m, duet_error *err)
     return ok;
 }
 
+// A ground that moves comes near to other bodies than a step ago.
+static void forget_ground(duet_motion *m)
+{
+    if (ground_def_carrier(&m->def) > 0)
+        product_forget(&m->products, PRODUCT_ROWS);
+}
+
 static bool run_effects(duet_motion *m, duet_error *err)
 {
     set_args(m);
-    if (ground_def_carrier(&m->def) > 0) // a ground that moves comes near to others
-        product_forget(&m->products, PRODUCT_ROWS);
+    forget_ground(m);
     return motion_recall_events(m, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT) ||
             motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err)) &&
@@ -421,6 +427,7 @@ bool domain_fly(duet_motion *m, duet_error *err)
     const kernel *flight = m->kernels.integrate_free_flight;
     timeline_begin_step(&m->times, m->device, m->step++);
     set_args(m);
+    forget_ground(m);
     products_move_bodies(&m->products);
     return m->n == 0 || !flight ||
            (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
@@ -450,6 +457,7 @@ bool domain_begin_step(duet_motion *m, duet_error *err)
     m->products.before = m->products.last;
     product_drop(&m->products, PRODUCT_AWAKE);
     set_args(m);
+    forget_ground(m);
     return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
                          ensure(m, PRODUCT_AWAKE, err) && domain_find_manifolds(m, err));
 }

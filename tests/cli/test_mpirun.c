@@ -36,6 +36,8 @@ TEST(a_job_that_fails_is_one_line)
          "the ranks on a,b have not begun within 1 s; expected machines that ssh reaches"},
         {BEGUN, "sleep 0.1 & exec sleep 100", "--ranks 2",
          "the ranks have ended, and mpirun did not: it was ended after 3 s"},
+        {BEGUN "duet: rank 1 on two: no\n", "sleep 0.1 & exec sleep 100", "--ranks 2",
+         "duet: rank 1 on two: no"},
         {BEGUN "duet: rank 1 on two: no\n", "exit 65", "--ranks 2", "duet: rank 1 on two: no"},
     };
     static const char variables[] =

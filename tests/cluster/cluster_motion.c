@@ -25,6 +25,7 @@
 #define APART "cluster_motion_apart.lua"
 #define BARE "cluster_motion_bare.lua"
 #define GIANT "cluster_motion_giant.lua"
+#define MIXER "cluster_motion_mixer.lua"
 #define MESH "cluster_motion_mesh.lua"
 #define UNEQUAL "cluster_motion_unequal.lua"
 
@@ -354,6 +355,32 @@ static void a_pile_on_a_mesh_has_one_motions_bits(void)
                     "}\n");
     must_move_alike(&s, shapes, sizeof shapes / sizeof *shapes);
     job_remove(MESH);
+}
+
+// The carrier is no neighbour of most bodies. In the mixer it comes last, turns, rises, and is a
+// box that bodies lie on, too; bodies fall asleep far from it.
+static void a_carried_mesh_has_one_motions_bits(void)
+{
+    static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 1}, {4, 2}};
+    const moving_scene drum = {"drum", {{"n", "120"}}, 1, 60, 30, 30};
+    const moving_scene mixer = {MIXER, {{0}}, 0, 90, 1, 45};
+    must_move_alike(&drum, shapes, sizeof shapes / sizeof *shapes);
+    job_write(MIXER,
+              "for i = 0, 47 do\n"
+              "  add { centre = { i % 8 - 3.5, i // 8 - 2.5, 0.5 + i % 3 },\n"
+              "        half_extents = { 0.4, 0.4, 0.3 }, friction = 0.6 }\n"
+              "end\n"
+              "add { centre = { 0, 0, 0.1 }, half_extents = { 0.6, 0.6, 0.3 }, mass = 0,\n"
+              "      velocity = { 0, 0, 0.1 }, angular_velocity = { 0, 0, 0.5 } }\n"
+              "return {\n"
+              "  dims = 3, gravity = { 0, 0, -9.81 }, skin = 0.1,\n"
+              "  wants = { 'contact_response', 'sleep', 'events', 'continuous' },\n"
+              "  mesh = { vertices = { -9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0, 0, -4, 0.5,\n"
+              "                        0, 4, 0.5, 0.2, 0, 0 },\n"
+              "           triangles = { 0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 5 }, carrier = 48 },\n"
+              "}\n");
+    must_move_alike(&mixer, shapes, sizeof shapes / sizeof *shapes);
+    job_remove(MIXER);
 }
 
 // It has more contacts than there are colours, in all domains.
@@ -757,13 +784,6 @@ static void must_refuse(const char *path, duet_status status, const char *says)
 static void what_is_not_there_is_refused(void)
 {
     must_refuse("no_such_scene.lua", DUET_STATUS_NOT_FOUND, "no_such_scene.lua");
-}
-
-static void a_carried_mesh_is_refused(void)
-{
-    must_refuse("drum", DUET_STATUS_BAD_ARGUMENT,
-                "a mesh that a body carries is not for several domains yet; expected one without a "
-                "carrier");
 }
 
 // ---------------------------------------------------------------- colours
@@ -1589,7 +1609,6 @@ int main(int argc, char **argv)
         ids_are_found_at_their_places(seed);
     }
     what_is_not_there_is_refused();
-    a_carried_mesh_is_refused();
     checkpoints_know_no_ranks();
     one_motion_goes_on_from_what_ranks_saved();
     borders_change_nothing(seed);
@@ -1605,6 +1624,7 @@ int main(int argc, char **argv)
     a_pile_that_falls_asleep_has_one_motions_bits();
     a_giant_on_small_ones_has_one_motions_bits();
     a_pile_on_a_mesh_has_one_motions_bits();
+    a_carried_mesh_has_one_motions_bits();
     events_are_one_motions();
     touches_without_response_are_one_motions();
     shocks_have_one_motions_bits();

@@ -200,6 +200,47 @@ TEST(recorded_commands_are_given_to_ranks)
         "--steps 21: told.replay has 20 recorded steps");
 }
 
+// A mesh and its carrier, on which boxes lie, come to targets and elsewhere while bodies come and
+// go, which gives the ground another number.
+TEST(commands_to_a_carrier_are_given_to_ranks)
+{
+    static const char scene[] =
+        "for i = 0, 47 do\n"
+        "  add { centre = { i % 8 - 3.5, i // 8 - 2.5, 0.5 + i % 3 }, half_extents = { 0.4, 0.4, "
+        "0.3 } }\n"
+        "end\n"
+        "add { centre = { 0, 0, 0.1 }, half_extents = { 0.6, 0.6, 0.3 }, mass = 0 }\n"
+        "return { dims = 3, gravity = { 0, 0, -9.81 }, wants = { 'sleep', 'events' }, skin = 0.1,\n"
+        "  mesh = { vertices = { -9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0 },\n"
+        "           triangles = { 0, 1, 2, 0, 2, 3 }, carrier = 48 } }\n";
+    static const char script[] =
+        "local duet = require 'duet'\n"
+        "local pair <close> = assert(duet.device_pair())\n"
+        "local scene <close> = assert(duet.scene 'mixer.lua')\n"
+        "local motion <close> = assert(pair:motion(scene))\n"
+        "assert(motion:record())\n"
+        "for k = 1, 50 do\n"
+        "  local pose <const> = { k / 4, 1, 6, 0.3, 0.3, 0.3, 0, 0, 0, 1 }\n"
+        "  local target <const> = { 0, 0, 0.1 + k / 90, 0, 0, math.sin(k / 60), math.cos(k / 60) "
+        "}\n"
+        "  if k == 20 then assert(motion:remove_bodies { 4 }) end\n"
+        "  if k % 8 == 5 then assert(motion:add_bodies({ pose })) end\n"
+        "  if k > 15 and k < 40 then assert(motion:set_targets({ 48 }, { target })) end\n"
+        "  if k == 45 then\n"
+        "    assert(motion:set_poses({ 48 }, { { 0.5, 0, 0.2, 0.6, 0.6, 0.3, 0, 0, 0, 1 } }))\n"
+        "  end\n"
+        "  assert(motion:advance())\n"
+        "end\n"
+        "assert(motion:save_recording 'mixer.replay')\n";
+    skip_without_mpi();
+    must(text_write_file("mixer.lua", scene, sizeof scene - 1, ERR));
+    must(text_write_file("tell.lua", script, sizeof script - 1, ERR));
+    program_done(program_run("lua --trust tell.lua"));
+    for (int ranks = 2; ranks <= 4; ranks += 2)
+        program_done(program_run(
+            "cluster mixer.lua --steps 50 --replay mixer.replay --check --ranks %d", ranks));
+}
+
 // Friction is in no state, so the motions begin alike.
 TEST(another_state_than_the_recorded_one_is_told_by_ranks)
 {
@@ -631,8 +672,8 @@ TEST(the_file_of_pairs_is_that_of_one_rank)
     text files[2] = {{0}, {0}};
     for (int i = 0; i < 2; ++i) {
         cJSON *o = json_of_run("cluster --plain --repeat 1 --json --ranks %d --sorted "
-                                "--pairs test_cluster.npy planes -n 90",
-                                2 * i + 1);
+                               "--pairs test_cluster.npy planes -n 90",
+                               2 * i + 1);
         must(text_read_file(&files[i], "test_cluster.npy", ERR));
         assert_int_equal(files[i].length, 128 + 16 * (size_t)json_number(o, "pairs"));
         remove("test_cluster.npy");

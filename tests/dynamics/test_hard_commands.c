@@ -65,6 +65,47 @@ TEST(walls_that_get_other_numbers_are_touched_all_the_same)
     assert_true(m->last.stays[0].a == 0 && m->last.stays[0].b == 2 + 4);
 }
 
+// A cube that slides on a ground of either kind after 40 steps; a body comes high above it before
+// the last ten.
+static duet_state slide_on_ground(const duet_heights *heights, const duet_mesh *mesh, bool comes)
+{
+    const duet_pose high = {{3, 3, 30}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
+    mover *m = mover_new(3);
+    m->def.wants |= DUET_EFFECT_EVENTS;
+    m->def.gravity[2] = -9.81;
+    m->def.heights = heights;
+    m->def.mesh = mesh;
+    m->bodies[mover_add_rough_cube(m, 0, 0, 0.5)].velocity[0] = 3;
+    mover_run(m, 30);
+    assert_int_equal(m->last.n_stays, 1);
+    if (comes)
+        must(duet_motion_add_bodies(m->motion, &high, NULL, 1, NULL, ERR));
+    mover_run(m, 1);
+    assert_int_equal(m->last.n_events, 0);
+    assert_int_equal(m->last.n_stays, 1);
+    assert_true(m->last.stays[0].a == 0 && m->last.stays[0].b == m->n + comes + 6);
+    mover_run(m, 9);
+    return m->states[0];
+}
+
+// The ground, too; and a body elsewhere takes no impulse from what touches it.
+TEST(a_ground_that_gets_another_number_is_touched_all_the_same)
+{
+    static const float level[4] = {0, 0, 0, 0};
+    static const float corners[] = {-20, -20, 0, 20, -20, 0, 20, 20, 0, -20, 20, 0};
+    static const uint32_t faces[] = {0, 1, 2, 0, 2, 3};
+    const duet_heights heights = {
+        .nx = 2, .ny = 2, .origin = {-20, -20, 0}, .spacing = {40, 40}, .heights = level};
+    const duet_mesh mesh = {
+        .vertices = corners, .n_vertices = 4, .triangles = faces, .n_triangles = 2};
+    for (int i = 0; i < 2; ++i) {
+        const duet_heights *h = i == 0 ? &heights : NULL;
+        const duet_mesh *t = i == 1 ? &mesh : NULL;
+        const duet_state left = slide_on_ground(h, t, false), right = slide_on_ground(h, t, true);
+        assert_memory_equal(&left, &right, sizeof left);
+    }
+}
+
 typedef struct event_sums {
     uint64_t begins, ends, stays;
 } event_sums;
