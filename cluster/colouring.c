@@ -2,6 +2,7 @@
 #include "cluster/colouring.h"
 
 #include "base/error.h"
+#include "cluster/row_order.h"
 #include "kernels/dynamics/records.h"
 
 #include <inttypes.h>
@@ -34,9 +35,36 @@ static uint64_t merge_equal(waiting_contact *contacts, uint64_t n)
     return kept;
 }
 
+static bool ascends(const waiting_contact *contacts, uint64_t n)
+{
+    for (uint64_t i = 1; i < n; ++i)
+        if (compare_ids(&contacts[i - 1], &contacts[i]) > 0)
+            return false;
+    return true;
+}
+
+// Returns false without memory.
+static bool sort_by_keys(waiting_contact *contacts, uint64_t n)
+{
+    keyed_row *keys = malloc(2 * n * sizeof *keys);
+    waiting_contact *before = malloc(n * sizeof *before);
+    const bool ok = keys && before;
+    if (ok)
+        memcpy(before, contacts, n * sizeof *before);
+    for (uint64_t i = 0; ok && i < n; ++i)
+        keys[i] = (keyed_row){(uint64_t)before[i].owner << 32 | before[i].other, i};
+    if (ok)
+        keys_order(keys, n, 64);
+    for (uint64_t i = 0; ok && i < n; ++i)
+        contacts[i] = before[keys[i].row];
+    free(keys);
+    free(before);
+    return ok;
+}
+
 uint64_t colouring_sort(waiting_contact *contacts, uint64_t n)
 {
-    if (n > 0)
+    if (!ascends(contacts, n) && !sort_by_keys(contacts, n))
         qsort(contacts, n, sizeof *contacts, compare_ids);
     return merge_equal(contacts, n);
 }
@@ -59,37 +87,47 @@ uint32_t colouring_find(const waiting_contact *contacts, uint64_t n, uint32_t ow
 // ---------------------------------------------------------------- ends
 
 typedef struct end {
-    uint32_t id, used;
+    uint32_t used;
     bool waits; // a contact of greater rank has no colour yet
 } end;
 
-static int compare_ends(const void *left, const void *right)
-{
-    const end *a = left, *b = right;
-    return a->id < b->id ? -1 : a->id > b->id;
-}
+// What the colours of n contacts follow from.
+typedef struct colouring {
+    waiting_contact *contacts;
+    uint64_t n;
+    end *ends;
+    uint32_t (*ends_of)[2]; // [n] places of each contact's owner and other; of one that moves not,
+                            // the owner's
+    keyed_row *keys;        // [4 n], for whatever is sorted
+} colouring;
 
-static uint64_t list_ends(const waiting_contact *contacts, uint64_t n, end *ends)
+static uint64_t list_ends(colouring *c)
 {
-    uint64_t all = 0, kept = 0;
-    for (uint64_t i = 0; i < n; ++i) {
-        ends[all++] = (end){contacts[i].owner, contacts[i].owner_used, false};
-        if (contacts[i].other_moves)
-            ends[all++] = (end){contacts[i].other, contacts[i].other_used, false};
+    uint64_t all = 0;
+    for (uint64_t i = 0; i < c->n; ++i) {
+        c->keys[all++] = (keyed_row){c->contacts[i].owner, 2 * i};
+        if (c->contacts[i].other_moves)
+            c->keys[all++] = (keyed_row){c->contacts[i].other, 2 * i + 1};
     }
-    qsort(ends, all, sizeof *ends, compare_ends);
-    for (uint64_t i = 0; i < all; ++i)
-        if (kept > 0 && ends[kept - 1].id == ends[i].id)
-            ends[kept - 1].used |= ends[i].used;
-        else
-            ends[kept++] = ends[i];
-    return kept;
+    return all;
 }
 
-static end *find_end(end *ends, uint64_t n, uint32_t id)
+static void find_ends(colouring *c)
 {
-    const end key = {.id = id};
-    return bsearch(&key, ends, n, sizeof *ends, compare_ends);
+    const uint64_t all = list_ends(c);
+    uint32_t at = 0;
+    keys_order(c->keys, all, 32);
+    for (uint64_t i = 0; i < all; ++i) {
+        const uint64_t one = c->keys[i].row / 2, is_other = c->keys[i].row % 2;
+        const waiting_contact *contact = &c->contacts[one];
+        at += i > 0 && c->keys[i].key != c->keys[i - 1].key;
+        if (i == 0 || c->keys[i].key != c->keys[i - 1].key)
+            c->ends[at] = (end){0};
+        c->ends[at].used |= is_other ? contact->other_used : contact->owner_used;
+        c->ends_of[one][is_other] = at;
+        if (!contact->other_moves)
+            c->ends_of[one][1] = at;
+    }
 }
 
 // ---------------------------------------------------------------- order
@@ -104,18 +142,12 @@ static uint32_t rank_of(uint32_t owner, uint32_t other)
     return k;
 }
 
-typedef struct turn {
-    uint32_t rank;
-    waiting_contact *contact;
-} turn;
-
 // The greatest rank comes first; of equal ones the first contact.
-static int compare_turns(const void *left, const void *right)
+static void take_turns(colouring *c)
 {
-    const turn *a = left, *b = right;
-    if (a->rank != b->rank)
-        return a->rank > b->rank ? -1 : 1;
-    return a->contact < b->contact ? -1 : a->contact > b->contact;
+    for (uint64_t i = 0; i < c->n; ++i)
+        c->keys[i] = (keyed_row){~rank_of(c->contacts[i].owner, c->contacts[i].other), i};
+    keys_order(c->keys, c->n, 32);
 }
 
 static uint32_t least_free(uint32_t used)
@@ -126,10 +158,10 @@ static uint32_t least_free(uint32_t used)
     return colour;
 }
 
-static void take_colour(waiting_contact *c, end *ends, uint64_t n_ends)
+static void take_colour(const colouring *all, uint64_t i)
 {
-    end *owner = find_end(ends, n_ends, c->owner);
-    end *other = c->other_moves ? find_end(ends, n_ends, c->other) : owner;
+    waiting_contact *c = &all->contacts[i];
+    end *owner = &all->ends[all->ends_of[i][0]], *other = &all->ends[all->ends_of[i][1]];
     if (c->colour == COLOUR_WAITS && c->is_decided_here && !owner->waits && !other->waits)
         c->colour = least_free(owner->used | other->used);
     uint32_t bit = c->colour < COLOUR_OVERFLOW ? 1u << c->colour : 0;
@@ -147,22 +179,29 @@ static uint64_t count_left(const waiting_contact *contacts, uint64_t n)
     return left;
 }
 
+static void colour(colouring *c)
+{
+    find_ends(c);
+    take_turns(c);
+    for (uint64_t i = 0; i < c->n; ++i)
+        take_colour(c, c->keys[i].row);
+}
+
 bool colouring_run(waiting_contact *contacts, uint64_t *n, uint64_t *n_left, duet_error *err)
 {
     *n = colouring_sort(contacts, *n);
-    end *ends = malloc(2 * *n * sizeof *ends + 1);
-    turn *turns = malloc(*n * sizeof *turns + 1);
-    bool ok = ends && turns;
-    uint64_t n_ends = ok && *n > 0 ? list_ends(contacts, *n, ends) : 0;
-    for (uint64_t i = 0; ok && i < *n; ++i)
-        turns[i] = (turn){rank_of(contacts[i].owner, contacts[i].other), &contacts[i]};
-    if (ok && *n > 0)
-        qsort(turns, *n, sizeof *turns, compare_turns);
-    for (uint64_t i = 0; ok && i < *n; ++i)
-        take_colour(turns[i].contact, ends, n_ends);
+    colouring c = {.contacts = contacts,
+                   .n = *n,
+                   .ends = malloc(2 * *n * sizeof *c.ends + 1),
+                   .ends_of = malloc(*n * sizeof *c.ends_of + 1),
+                   .keys = malloc(4 * *n * sizeof *c.keys + 1)};
+    const bool ok = c.ends && c.ends_of && c.keys;
+    if (ok)
+        colour(&c);
     *n_left = count_left(contacts, *n);
-    free(ends);
-    free(turns);
+    free(c.ends);
+    free(c.ends_of);
+    free(c.keys);
     return ok || error_set(err, DUET_STATUS_NO_MEMORY,
                            "the colours of %" PRIu64 " contacts: no memory", *n);
 }

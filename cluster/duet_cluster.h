@@ -153,6 +153,8 @@ DUET_API bool duet_cluster_save_pairs(duet_cluster *cluster, const char *path, b
 // that the cluster had; other objects stay as they are. BAD_ARGUMENT for a cluster without devices.
 // resume NULL: the scene's beginning; else a file of duet_cluster_save_motion, of the same scene
 // and any number of ranks, which rank 0 reads.
+// If the def's plan does not say how often ghosts come (motion.colours), steps try some numbers
+// until a profile says it (duet_cluster_load_profile).
 DUET_API bool duet_cluster_begin_motion(duet_cluster *cluster, const char *path,
                                         const duet_setting *settings, uint32_t n_settings,
                                         const char *resume, duet_error *err);

@@ -76,13 +76,13 @@ static void clear_list(halo_side *s, int list, int n_ranks)
     memset(s->counts + (size_t)list * n_ranks, 0, (size_t)n_ranks * sizeof *s->counts);
 }
 
-// The item at a place of a list begins a run, or goes on with that of its domain.
-static void add_to_runs(halo_runs *runs, uint32_t domain, uint64_t at)
+// So many items from a place of a list on begin a run, or go on with that of their domain.
+static void add_to_runs(halo_runs *runs, uint32_t domain, uint64_t at, uint32_t n)
 {
     if (!runs->failed && (runs->n == 0 || runs->runs[runs->n - 1].domain != domain))
         list_add(&runs->list, &(halo_run){domain, (uint32_t)at, 0}, 1, sizeof(halo_run));
     if (!runs->failed)
-        ++runs->runs[runs->n - 1].n;
+        runs->runs[runs->n - 1].n += n;
 }
 
 // The list's memory is there.
@@ -91,7 +91,7 @@ static void add_to_list(halo_side *s, int list, const halo_item *item, int n_ran
     const uint32_t at = s->first[list] + s->n[list]++;
     s->places.rows[at] = item->place;
     ++s->counts[(size_t)list * n_ranks + item->rank];
-    add_to_runs(&s->runs[list], item->domain, at);
+    add_to_runs(&s->runs[list], item->domain, at, 1);
 }
 
 static bool reserve_places(halo_side *s, uint64_t n, duet_error *own)
@@ -216,7 +216,7 @@ static void move_items(const halo_side *s, const moving *m, int list, const rows
     char *packed = s->rows.rows;
     for (uint64_t i = 0; is_well(own) && i < s->runs[list].n; ++i) {
         const halo_run *run = &s->runs[list].runs[i];
-        const domain_ids ids = {s->places.rows + run->first, run->n, listed, run->first};
+        const domain_ids ids = {s->places.rows + run->first, run->n, listed, run->first, false};
         move(m->domains[run->domain].motion, rows->which, &rows->parts, &ids,
              packed + (run->first - s->first[list]) * bytes_of(&rows->parts), own);
     }
@@ -370,14 +370,54 @@ static bool lay_lists(halo_side *s, const ghost_colours *colours, int n_ranks, d
     return reserve_places(s, all, own);
 }
 
+// The end of the items from one on that have its rank and its domain here.
+static uint64_t end_of_alike(const halo_side *s, uint64_t first)
+{
+    const halo_item *of = item_at(s, first);
+    uint64_t end = first + 1;
+    while (end < s->items.n && item_at(s, end)->rank == of->rank &&
+           item_at(s, end)->domain == of->domain)
+        ++end;
+    return end;
+}
+
+// Items that are alike are counted, and are a run, all at once.
+static void note_alike(halo_side *s, const halo_item *of, const uint32_t before[HALO_ALL],
+                       int n_ranks)
+{
+    for (int k = 0; k < HALO_ALL; ++k) {
+        const uint32_t n = s->n[k] - before[k];
+        if (n == 0)
+            continue;
+        s->counts[(size_t)k * n_ranks + of->rank] += n;
+        add_to_runs(&s->runs[k], of->domain, s->first[k] + before[k], n);
+    }
+}
+
+static void list_alike(halo_side *s, const ghost_colours *colours, uint64_t first, uint64_t end,
+                       int n_ranks)
+{
+    uint32_t before[HALO_ALL];
+    memcpy(before, s->n, sizeof before);
+    for (uint64_t i = first; i < end; ++i) {
+        const uint32_t place = item_at(s, i)->place;
+        for (uint64_t left = lists_of(&colours[i]); left != 0; left &= left - 1) {
+            const int list = __builtin_ctzll(left);
+            s->places.rows[s->first[list] + s->n[list]++] = place;
+        }
+    }
+    note_alike(s, item_at(s, first), before, n_ranks);
+}
+
 static void list_ghosts(halo_side *s, const moving *m, duet_error *own)
 {
     const ghost_colours *colours = s->rows.rows;
     if (!lay_lists(s, colours, m->ranks->n, own))
         return;
-    for (uint64_t i = 0; i < s->items.n; ++i)
-        for (uint64_t left = lists_of(&colours[i]); left != 0; left &= left - 1)
-            add_to_list(s, __builtin_ctzll(left), item_at(s, i), m->ranks->n);
+    for (uint64_t first = 0, end; first < s->items.n; first = end) {
+        end = end_of_alike(s, first);
+        list_alike(s, colours, first, end, m->ranks->n);
+    }
     tell_places(s, m, (uint32_t)s->items.n, own);
 }
 
@@ -406,7 +446,7 @@ static void list_asked(const halo_side *s, parcels *rows, asked_list *asked)
         const halo_item *item = item_at(s, i);
         for (uint32_t left = colours[i].asked; left != 0; left &= left - 1) {
             const asked_contact one = {item->place, (uint32_t)__builtin_ctz(left)};
-            add_to_runs(&asked->runs, item->domain, asked->list.n);
+            add_to_runs(&asked->runs, item->domain, asked->list.n, 1);
             list_add(&asked->list.list, &one, 1, sizeof one);
             ++rows->counts[item->rank];
         }

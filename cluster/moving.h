@@ -7,6 +7,8 @@
 #ifndef CLUSTER_MOVING_H
 #define CLUSTER_MOVING_H
 
+#include "cluster/moving_every.h"
+#include "cluster/moving_phases.h"
 #include "cluster/ranks.h"
 #include "runtime/dynamics/pair_list.h"
 
@@ -54,8 +56,9 @@ void moving_end(moving *m);
 bool moving_step(moving *m, duet_error *own);
 
 // The colours after which ghosts come at the latest; from the next step on so many, which changes
-// no bit of it.
+// no bit of it, and nothing is tried.
 uint32_t moving_get_every(const moving *m);
+const every_trial *moving_get_trial(const moving *m);
 bool moving_set_every(moving *m, uint32_t every, duet_error *own);
 bool moving_hash(moving *m, uint64_t *hash, duet_error *own);
 
@@ -66,6 +69,7 @@ bool moving_gather(moving *m, duet_motion **whole, duet_error *own);
 // Rank 0 writes all of it into one file, for which it needs memory for all bodies.
 bool moving_save(moving *m, const char *path, duet_error *own);
 moving_counts moving_get_counts(const moving *m);
+const moving_phases *moving_get_phases(const moving *m);
 moving_told moving_get_told(const moving *m);
 
 // A domain of this rank, k of its parts, for who reads it: the motion of its own bodies and of

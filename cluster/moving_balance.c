@@ -50,6 +50,7 @@ void moving_note_work(moving *m, tally *t)
     done->busy_ns += row.busy_ns;
     t->sums[1] = (uint64_t)(1e3 * work);
     t->sums[2] = (uint64_t)row.busy_ns;
+    every_note_step(m, t);
     t->greatest[0] = work;
     t->greatest[1] = row.busy_ns;
 }
@@ -84,6 +85,7 @@ bool moving_compare_work(moving *m, const tally *t, duet_error *own)
 {
     moving_balance *b = &m->balance;
     const double n = m->ranks->n;
+    every_take_step(m, t);
     b->most = t->greatest[0];
     b->mean = 1e-3 * (double)t->sums[1] / n;
     m->counts.slowest_ms = 1e-6 * t->greatest[1];

@@ -181,6 +181,7 @@ static void measure_rows(moving *m)
     const duet_motion *first = m->domains[0].motion;
     m->def = first->def; // whose ground is a copy
     m->every = first->plan.colours > 0 ? first->plan.colours : 1;
+    m->trial.is_given = first->plan.colours > 0;
     m->least_inner = m->ranks->n_on_host < m->ranks->n ? LEAST_INNER : LEAST_INNER_ON_HOST;
     m->traveller_bytes = sizeof(moving_traveller) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
@@ -342,6 +343,8 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
         m->n_domains = m->parts * (uint32_t)r->n;
         m->balance.model = work_begin();
         ok = fill(m, known, start, own);
+        if (ok)
+            moving_begin_phases(m);
     }
     duet_motion_destroy(known);
     if (ok)
@@ -357,6 +360,7 @@ void moving_end(moving *m)
     for (uint32_t k = 0; m->domains && k < m->parts; ++k) {
         duet_motion_destroy(m->domains[k].motion);
         free(m->domains[k].bodies.rows);
+        free(m->domains[k].index.firsts);
         free(m->domains[k].gone.rows);
         free(m->domains[k].came.items);
         free(m->domains[k].contacts.items);
@@ -377,6 +381,11 @@ void moving_end(moving *m)
 moving_counts moving_get_counts(const moving *m)
 {
     return m->counts;
+}
+
+const moving_phases *moving_get_phases(const moving *m)
+{
+    return &m->phases;
 }
 
 duet_motion *moving_get_motion(const moving *m, uint32_t k)

@@ -311,6 +311,8 @@ static void add_new_bodies(moving *m, moving_domain *d, const command_part *p, d
     }
     if (d->bodies.failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for bodies that come", p->c.call);
+    else
+        moving_index_places(m, d, own);
 }
 
 static void act_on(moving *m, moving_domain *d, command_part *p, effect_facts facts,

@@ -22,6 +22,8 @@
 #include "cluster/list.h"
 #include "cluster/moving.h"
 #include "cluster/moving_events.h"
+#include "cluster/moving_every.h"
+#include "cluster/moving_phases.h"
 #include "cluster/work.h"
 #include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
@@ -57,10 +59,19 @@ typedef struct moving_contact {
 
 #define TOLD_BY_NONE UINT32_MAX
 
+// The first place of each stretch of ids, and behind the last; empty: bodies are searched as a
+// whole.
+typedef struct id_index {
+    uint32_t *firsts;
+    uint64_t n;
+    uint32_t shift;
+} id_index;
+
 typedef struct moving_domain {
     duet_motion *motion;
     uint32_t number;  // of all ranks' domains
     body_list bodies; // ascending by id; the motion's, place by place
+    id_index index;   // of them
     row_list gone;    // places of those that are not to stay, ascending; while bodies are exchanged
     item_list came;   // travellers that the motion is to get, its own ones first, and so many
     uint64_t n_came_own;
@@ -109,6 +120,8 @@ struct moving {
     moving_balance balance;
     uint64_t n_in_order; // contacts of COLOUR_OVERFLOW, of all ranks
     moving_counts counts;
+    moving_phases phases;
+    every_trial trial;
 };
 
 static inline moving_traveller *moving_traveller_at(const moving *m, const item_list *rows,
@@ -187,15 +200,18 @@ static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32
 // Returns the domain whose box holds a body of that state.
 uint32_t moving_domain_of(const moving *m, const char *state);
 
+// After bodies were replaced, or added.
+void moving_index_places(const moving *m, moving_domain *d, duet_error *own);
+
 // The place of a body in a domain; UINT32_MAX: it is not there.
 uint32_t moving_place(const moving_domain *d, uint32_t id);
 
 // The same of a contact's end, which may be a wall or the ground.
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
 
-// Orders contacts by their ends. Adds one, of two places, to those that a motion is to get, which
-// have space for it.
-int moving_compare_contacts(const void *left, const void *right);
+// Orders contacts by their ends, each once; false without memory. Adds one, of two places, to those
+// that a motion is to get, which have space for it.
+bool moving_order_contacts(const moving *m, item_list *contacts);
 void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
                         domain_contacts *to);
 

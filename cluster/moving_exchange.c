@@ -29,6 +29,27 @@ static int rank_of(const void *context, uint64_t i)
     return (int)(row_domain((const char *)d->rows->items + i * d->bytes) / d->m->parts);
 }
 
+// All rows are the only domain's, which has none yet.
+static void take_all(item_list *l, parcels *in)
+{
+    free(l->items);
+    *l = (item_list){.items = in->rows, .n = in->n, .capacity = in->n};
+    in->rows = NULL;
+}
+
+static void deal_out(moving *m, parcels *in, size_t bytes, moving_list_of *list)
+{
+    item_list *first = list(&m->domains[0]);
+    if (m->parts == 1 && first->n == 0 && !first->failed) {
+        take_all(first, in);
+        return;
+    }
+    for (uint64_t i = 0; i < in->n; ++i) {
+        const char *row = (const char *)in->rows + i * bytes;
+        list_add(list(&m->domains[row_domain(row) % m->parts]), row, 1, bytes);
+    }
+}
+
 bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list, duet_error *own)
 {
     const dealing d = {m, rows, bytes};
@@ -38,10 +59,8 @@ bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list,
     if (is_well(own) && rows->failed)
         error_set(own, DUET_STATUS_NO_MEMORY, "rows that travel: no memory");
     bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
-    for (uint64_t i = 0; ok && i < in.n; ++i) {
-        const char *row = (const char *)in.rows + i * bytes;
-        list_add(list(&m->domains[row_domain(row) % m->parts]), row, 1, bytes);
-    }
+    if (ok)
+        deal_out(m, &in, bytes, list);
     for (uint32_t k = 0; ok && k < m->parts; ++k)
         if (list(&m->domains[k])->failed)
             error_set(own, DUET_STATUS_NO_MEMORY, "rows of a domain: no memory");
@@ -275,14 +294,17 @@ static void forget_travellers(moving_domain *d)
 bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own)
 {
     m->counts.sent += bodies->n;
+    moving_enter(m, PHASE_TRAVEL);
     bool ok = moving_migrate(m, bodies, own);
     if (ok && moving_touches(m))
         ok =
             moving_deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
+    moving_enter(m, PHASE_REPLACE);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
         moving_replace(m, &m->domains[k], own);
         forget_travellers(&m->domains[k]);
     }
+    moving_enter(m, PHASE_SHARE);
     ok = ok && halo_settle(&m->halo, m, own);
     if (ok && is_well(own))
         mark_places(m, own);

@@ -76,20 +76,29 @@ static void list_own(moving *m, item_list *bodies, item_list *contacts, duet_err
 
 // ---------------------------------------------------------------- on rank 0
 
+// The rows are the domain's from now on, which orders them in memory of its own.
+static item_list take_rows(parcels *p)
+{
+    item_list rows = {.items = p->rows, .n = p->n};
+    p->rows = NULL;
+    return rows;
+}
+
 // A motion of all bodies, as if it had made the steps.
-static duet_motion *make_whole(moving *m, const parcels *bodies, const parcels *contacts,
-                               duet_error *own)
+static duet_motion *make_whole(moving *m, parcels *bodies, parcels *contacts, duet_error *own)
 {
     moving_domain whole = {
         .motion = moving_create(m, own),
-        .came = {.items = bodies->rows, .n = bodies->n},
-        .contacts = {.items = contacts->rows, .n = contacts->n},
+        .came = take_rows(bodies),
+        .contacts = take_rows(contacts),
     };
-    if (!whole.motion)
-        return NULL;
-    moving_replace(m, &whole, own);
-    if (is_well(own))
+    if (whole.motion)
+        moving_replace(m, &whole, own);
+    if (whole.motion && is_well(own))
         domain_lay_rows(whole.motion, own);
+    free(whole.came.items);
+    free(whole.contacts.items);
+    free(whole.index.firsts);
     free(whole.bodies.rows);
     free(whole.places);
     return whole.motion;

@@ -4,42 +4,83 @@
 
 #include "base/compare.h"
 #include "base/error.h"
+#include "cluster/row_order.h"
 
 #include <inttypes.h>
 
 // ---------------------------------------------------------------- order
 
-static int compare_travellers(const void *left, const void *right)
+static uint64_t key_of_traveller(const void *row)
 {
-    const moving_traveller *a = left, *b = right;
-    return a->body.id < b->body.id ? -1 : a->body.id > b->body.id;
+    return ((const moving_traveller *)row)->body.id;
 }
 
-int moving_compare_contacts(const void *left, const void *right)
+static uint64_t key_of_contact(const void *row)
 {
-    const moving_contact *a = left, *b = right;
-    return a->owner != b->owner ? compare_uint32(&a->owner, &b->owner)
-                                : compare_uint32(&a->other, &b->other);
+    const moving_contact *c = row;
+    return (uint64_t)c->owner << 32 | c->other;
 }
 
 // Domains that each had an end of a contact send it to one that has both.
-static void sort_contacts(const moving *m, item_list *c)
+bool moving_order_contacts(const moving *m, item_list *contacts)
 {
-    uint64_t kept = 0;
-    if (c->n > 0)
-        qsort(c->items, c->n, m->contact_bytes, moving_compare_contacts);
-    for (uint64_t i = 0; i < c->n; ++i) {
-        const moving_contact *one = moving_contact_at(m, c, i);
-        if (kept == 0 || moving_compare_contacts(moving_contact_at(m, c, kept - 1), one) != 0)
-            memmove(moving_contact_at(m, c, kept++), one, m->contact_bytes);
+    return row_order(contacts, m->contact_bytes, key_of_contact);
+}
+
+// ---------------------------------------------------------------- places of ids
+
+// Bodies to a stretch of ids, about, that are searched.
+enum { STRETCH = 8 };
+
+void moving_index_places(const moving *m, moving_domain *d, duet_error *own)
+{
+    id_index *index = &d->index;
+    const uint64_t n = d->bodies.n;
+    uint32_t shift = 0;
+    while ((uint64_t)m->n_all >> shift > n / STRETCH + 1)
+        ++shift;
+    const uint64_t stretches = ((uint64_t)m->n_all >> shift) + 2;
+    uint32_t *firsts = realloc(index->firsts, stretches * sizeof *firsts);
+    index->firsts = firsts ? firsts : index->firsts;
+    index->n = 0;
+    if (!firsts) {
+        error_set(own, DUET_STATUS_NO_MEMORY, "%" PRIu64 " bodies: no memory", n);
+        return;
     }
-    c->n = kept;
+    uint64_t stretch = 0;
+    for (uint32_t i = 0; i < n; ++i)
+        while (stretch < stretches && stretch <= d->bodies.rows[i].id >> shift)
+            firsts[stretch++] = i;
+    while (stretch < stretches)
+        firsts[stretch++] = (uint32_t)n;
+    index->n = stretches;
+    index->shift = shift;
+}
+
+typedef struct bisected {
+    uint64_t low, high;
+} bisected;
+
+// The bodies among which that of an id is, if it is there.
+static bisected range_of(const moving_domain *d, uint32_t id)
+{
+    const uint64_t stretch = (uint64_t)id >> d->index.shift;
+    if (stretch + 1 >= d->index.n)
+        return (bisected){0, d->bodies.n};
+    return (bisected){d->index.firsts[stretch], d->index.firsts[stretch + 1]};
 }
 
 uint32_t moving_place(const moving_domain *d, uint32_t id)
 {
-    const uint64_t at = list_find(&d->bodies.list, sizeof *d->bodies.rows, &id, compare_uint32);
-    return at < d->bodies.n && d->bodies.rows[at].id == id ? (uint32_t)at : UINT32_MAX;
+    bisected in = range_of(d, id);
+    while (in.low < in.high) {
+        const uint64_t middle = in.low + (in.high - in.low) / 2;
+        if (d->bodies.rows[middle].id < id)
+            in.low = middle + 1;
+        else
+            in.high = middle;
+    }
+    return in.low < d->bodies.n && d->bodies.rows[in.low].id == id ? (uint32_t)in.low : UINT32_MAX;
 }
 
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)
@@ -254,6 +295,7 @@ static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own
     keep_contacts(m, d, own);
     domain_splice(b, d->places, r->places, sizeof *r->places);
     moving_note_fixed(m, d, b->n);
+    moving_index_places(m, d, own);
     fill_contacts(m, d, r);
     if (is_well(own) && domain_keep_far_boxes(d->motion, own) &&
         domain_replace_bodies(d->motion, b, &r->contacts, own))
@@ -263,13 +305,13 @@ static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own
 void moving_replace(moving *m, moving_domain *d, duet_error *own)
 {
     replacement r = {0};
-    sort_contacts(m, &d->contacts);
-    if (d->came.n > 0)
-        qsort(d->came.items, d->came.n, m->traveller_bytes, compare_travellers);
+    if (!moving_order_contacts(m, &d->contacts) ||
+        !row_order(&d->came, m->traveller_bytes, key_of_traveller))
+        error_set(own, DUET_STATUS_NO_MEMORY, "what came to a domain: no memory");
     moving_keep_base(m, d->motion);
-    if (!reserve(m, d, &r, own))
+    if (is_well(own) && !reserve(m, d, &r, own))
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory", r.bodies.n);
-    else if (grow(d, r.bodies.n, own))
+    else if (is_well(own) && grow(d, r.bodies.n, own))
         replace(m, d, &r, own);
     free_replacement(&r);
 }

@@ -344,6 +344,9 @@ bool moving_settle(moving *m, duet_error *own)
     item_list bodies = {0}, contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
     if (!parted)
         error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+    const moving_phase before = m->phases.now;
+    moving_enter(m, PHASE_LEAVE);
+    ++m->phases.n_moves;
     for (uint32_t k = 0; parted && k < m->parts; ++k) {
         parted[k] = m->domains[k].contacts;
         m->domains[k].contacts = (item_list){0};
@@ -355,6 +358,7 @@ bool moving_settle(moving *m, duet_error *own)
     free(parted);
     free(bodies.items);
     free(contacts.items);
+    moving_enter(m, before);
     return ok;
 }
 
@@ -363,10 +367,16 @@ uint32_t moving_get_every(const moving *m)
     return m->every;
 }
 
+const every_trial *moving_get_trial(const moving *m)
+{
+    return &m->trial;
+}
+
 // Ghosts lie deeper for more colours, and contacts of two of them are as at home after an exchange.
 bool moving_set_every(moving *m, uint32_t every, duet_error *own)
 {
     bool is_new = m->every != every;
     m->every = every;
+    m->trial = (every_trial){.is_given = true};
     return !is_new || m->n_domains == 1 || moving_settle(m, own);
 }

@@ -76,9 +76,9 @@ static void add_contact(const moving *m, const moving_domain *d, const moving_co
 static void add_shared(const moving *m, moving_domain *d, duet_error *own)
 {
     domain_contacts all = {.n = (uint32_t)d->shared.n};
-    if (d->shared.n > 0)
-        qsort(d->shared.items, d->shared.n, m->contact_bytes, moving_compare_contacts);
-    if (domain_contacts_reserve(&all, d->motion, true, own)) {
+    if (!moving_order_contacts(m, &d->shared))
+        error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+    else if (domain_contacts_reserve(&all, d->motion, true, own)) {
         all.n = 0;
         for (uint64_t i = 0; i < d->shared.n; ++i)
             add_contact(m, d, moving_contact_at(m, &d->shared, i), &all);

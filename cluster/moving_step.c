@@ -49,13 +49,18 @@ static uint32_t end_of_colours(const moving *m, uint32_t from, uint32_t colours)
 static void solve_until(moving *m, domain_pass pass, uint32_t from, uint32_t to, uint32_t list,
                         duet_error *own)
 {
-    const bool warm = pass == PASS_RELAX;
+    const bool warm = pass == PASS_RELAX, comes = halo_comes(&m->halo, list);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_solve_border(m->domains[k].motion, pass, from, to, own);
+    const uint64_t begun_ns = ranks_now_ns();
     const int n = halo_begin_after(&m->halo, m, list, warm, own);
+    const uint64_t sent_ns = ranks_now_ns();
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_solve_inner(m->domains[k].motion, pass, to - 1, own);
+    const uint64_t solved_ns = ranks_now_ns();
     halo_end_after(&m->halo, m, list, warm, n, own);
+    if (comes)
+        every_note_exchange(&m->trial, sent_ns - begun_ns + ranks_now_ns() - solved_ns);
 }
 
 // No colour needs ghosts that the last one changed.
@@ -149,13 +154,17 @@ static void push_sleepers(moving *m, duet_error *own)
 static bool respond(moving *m, duet_error *own)
 {
     tally t;
+    moving_enter(m, PHASE_MANIFOLDS);
     each(m, domain_begin_step, own);
+    moving_enter(m, PHASE_SLEEP);
     if (!update_sleep(m, &t, own) || !moving_colour(m, own))
         return false;
+    moving_enter(m, PHASE_SUBSTEPS);
     each(m, domain_prepare_contacts, own);
     halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     if (!run_substeps(m, own))
         return false;
+    moving_enter(m, PHASE_FINALIZE);
     halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
@@ -316,7 +325,7 @@ static bool fly(moving *m, duet_error *own)
 
 static bool step_together(moving *m, duet_error *own)
 {
-    if (m->n_commands > 0 && !moving_settle(m, own))
+    if (!every_choose(m, own) || (m->n_commands > 0 && !moving_settle(m, own)))
         return false;
     forget_contacts(m);
     if (!moving_pushes(m))
@@ -331,6 +340,7 @@ static bool step_together(moving *m, duet_error *own)
 bool moving_step(moving *m, duet_error *own)
 {
     bool ok = m->n_domains == 1 ? step_alone(m, own) : step_together(m, own);
+    moving_enter(m, PHASE_NONE);
     m->counts.step += ok;
     m->n_commands = 0;
     return ok;

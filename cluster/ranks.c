@@ -30,7 +30,7 @@ static void merge(void *from, void *into, int *n, MPI_Datatype *type)
         b->failing = a->failing < b->failing ? a->failing : b->failing;
         b->least = a->least < b->least ? a->least : b->least;
         b->most = a->most > b->most ? a->most : b->most;
-        for (int k = 0; k < 4; ++k)
+        for (int k = 0; k < 6; ++k)
             b->tally.sums[k] += a->tally.sums[k];
         for (int k = 0; k < 2; ++k)
             b->tally.greatest[k] = fmax(a->tally.greatest[k], b->tally.greatest[k]);

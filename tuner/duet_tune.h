@@ -48,7 +48,7 @@ typedef struct duet_tune_def {
     duet_keep keep;
     bool ordered;              // the scene's objects are in about duet_world_order's order
     bool fresh;                // measures again what is finished
-    const char *strategy;      // "balance"; duet_strategy lists them
+    const char *strategy;      // "balance"; duet_strategy_get_name lists them
     const char *strategy_lua;  // text of a script that returns a function, if strategy is "lua"
     const char *strategy_name; // name of that text in messages, as its file; NULL: "strategy"
     const char *objective;     // what is made small: "time", or "energy" by the counters that the

@@ -145,6 +145,8 @@ static bool run_steps(moved *r, duet_error *err)
         ok = rank_replay_before(&r->replay, err) && rank_tune_before(&r->tune, err) &&
              duet_cluster_advance(r->cluster, &r->last, err);
         rank_tune_after(&r->tune, r->last.total_ms);
+        if (ok && r->n_steps == 0)
+            moving_begin_phases(r->cluster->moving);
         r->all_ms += r->last.total_ms;
         r->slowest_ms += r->last.slowest_ms;
         r->mean_ms += r->last.mean_ms;
@@ -163,13 +165,40 @@ static bool run_steps(moved *r, duet_error *err)
     return ok;
 }
 
-// Who says how often ghosts come: the command line, this run's tuning, the store by a grade, or
-// nobody.
+// Who says how often ghosts come: this run's tuning or its own trial, the command line, the store
+// by a grade, or nobody.
 static const char *ghosts_by(const moved *r)
 {
-    return r->tune.state != TUNE_NONE          ? "tuned"
-           : inputs_plan_given(&r->args->plan) ? "given"
-                                               : duet_grade_name(r->grade);
+    return r->tune.state != TUNE_NONE                       ? "tuned"
+           : moving_get_trial(r->cluster->moving)->is_tried ? "tried"
+           : inputs_plan_given(&r->args->plan)              ? "given"
+                                                            : duet_grade_name(r->grade);
+}
+
+// The times of a step with each number of colours that was tried.
+static void add_tried(cJSON *o, const moved *r)
+{
+    const every_trial *t = moving_get_trial(r->cluster->moving);
+    cJSON *rows = t->is_tried ? cJSON_AddArrayToObject(o, "tried") : NULL;
+    for (int i = 0; rows && i < EVERY_RIVALS; ++i)
+        json_add(json_add_row(rows), NUMBER("colours_between", every_rivals[i]),
+                 NUMBER("ms", 1e-6 * t->best_ns[i]));
+}
+
+// Where the time of rank 0's steps went; kernels are built in the first, which is left out.
+static void add_phases(cJSON *o, const moved *r)
+{
+    const moving_phases *phases = moving_get_phases(r->cluster->moving);
+    const double n = r->n_steps > 1 ? (double)(r->n_steps - 1) : 1.0;
+    json_add(o, NUMBER("moves", (double)phases->n_moves));
+    cJSON *rows = cJSON_AddArrayToObject(o, "phases");
+    for (int i = 0; i < MOVING_PHASES; ++i) {
+        const phase_cost *c = &phases->costs[i];
+        json_add(json_add_row(rows), STRING("phase", moving_phase_name(i)), NUMBER("ms", c->ms / n),
+                 NUMBER("wait_ms", c->wait_ms / n), NUMBER("exchanges", (double)c->exchanges / n),
+                 NUMBER("bytes", (double)c->bytes / n), NUMBER("waits", (double)c->waits / n),
+                 NUMBER("launches", (double)c->launches / n));
+    }
 }
 
 static bool report(const moved *r, duet_error *err)
@@ -188,6 +217,9 @@ static bool report(const moved *r, duet_error *err)
     if (r->mean_ms > 0)
         json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
                  NUMBER("slowest_rank", last->slowest_rank));
+    add_tried(o, r);
+    if (r->args->phases || r->args->json)
+        add_phases(o, r);
     json_add_hash(o, r->hash);
     if (r->args->check)
         json_add(o, FLAG("equal", true)); // else it has failed

@@ -81,6 +81,7 @@ typedef struct domain_ids {
     uint32_t n;
     motion_buffer listed;
     uint32_t first;
+    bool is_there; // READ_IDS has them already
 } domain_ids;
 
 // Writes places into a list of the device, from `at` on, behind those that stay.

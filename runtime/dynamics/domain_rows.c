@@ -88,7 +88,7 @@ static bool send_ids(duet_motion *m, const domain_ids *ids, duet_error *err)
     const size_t bytes = ids->n * sizeof *ids->places;
     motion_reading *r = &m->reading;
     bool ok =
-        ids->listed != READ_IDS ||
+        ids->listed != READ_IDS || ids->is_there ||
         (motion_reserve(m, READ_IDS, ids->n, sizeof *ids->places, err) &&
          timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, ids->places, bytes, err));
     r->row_ids = m->buffers[ids->listed];
@@ -139,7 +139,8 @@ bool domain_await_rows(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- rows by body
 
-// The buffer that rows went to takes the place of the other.
+// The buffer that rows went to takes the place of the other, which the driver keeps as long as a
+// kernel reads it.
 static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
 {
     const uint32_t words = motion_words(m, which);
@@ -147,7 +148,7 @@ static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_erro
         return false;
     m->reading.rows = m->buffers[which];
     m->reading.row_words = words;
-    if (!motion_launch(m, stage, m->reading.move_rows, n, err) || !timeline_finish(&m->times, err))
+    if (!motion_launch(m, stage, m->reading.move_rows, n, err))
         return false;
     buffer_swap(&m->buffers[which], &m->buffers[GATHERED]);
     return true;
@@ -162,7 +163,7 @@ bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, con
     m->reading.n_ids = n;
     for (int i = 0; ok && i < n_list; ++i)
         ok = motion_words(m, list[i]) == 0 || move_rows(m, list[i], n, err);
-    return ok;
+    return ok && timeline_finish(&m->times, err);
 }
 
 static some_rows rows_of(const duet_motion *m, motion_buffer which, const row_parts *parts,
@@ -188,14 +189,15 @@ bool domain_unpack_listed(duet_motion *m, motion_buffer which, const row_parts *
 bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                       const uint32_t *places, uint32_t n, void *packed, duet_error *err)
 {
-    return domain_pack_listed(m, which, parts, &(domain_ids){places, n, READ_IDS, 0}, packed, err);
+    return domain_pack_listed(m, which, parts, &(domain_ids){places, n, READ_IDS, 0, false}, packed,
+                              err);
 }
 
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                         const uint32_t *places, uint32_t n, void *packed, duet_error *err)
 {
-    return domain_unpack_listed(m, which, parts, &(domain_ids){places, n, READ_IDS, 0}, packed,
-                                err);
+    return domain_unpack_listed(m, which, parts, &(domain_ids){places, n, READ_IDS, 0, false},
+                                packed, err);
 }
 
 bool domain_list_ids(duet_motion *m, motion_buffer which, uint32_t at, const uint32_t *places,
@@ -228,7 +230,7 @@ bool domain_pack_used(duet_motion *m, const domain_ids *ids, uint32_t *used, due
 bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t *used,
                       duet_error *err)
 {
-    return domain_pack_used(m, &(domain_ids){places, n, READ_IDS, 0}, used, err);
+    return domain_pack_used(m, &(domain_ids){places, n, READ_IDS, 0, false}, used, err);
 }
 
 // ---------------------------------------------------------------- contacts
@@ -239,7 +241,7 @@ static bool move_contacts(duet_motion *m, const domain_contacts *c, move_some *m
                           duet_error *err)
 {
     const uint32_t record = m->layout.record;
-    const domain_ids ids = {c->rows, c->n, READ_IDS, 0};
+    const domain_ids ids = {c->rows, c->n, READ_IDS, 0, false};
     const some_rows touches = {TOUCHES, 1, {.words = {1}}, ids},
                     colours = {COLOUR_OF, 1, {.words = {1}}, ids},
                     records = {CONTACTS, record, {.words = {record}}, ids};
@@ -259,6 +261,7 @@ bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err
 
 bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)
 {
-    const some_rows colours = {COLOUR_OF, 1, {.words = {1}}, {told->rows, told->n, READ_IDS, 0}};
+    const some_rows colours = {
+        COLOUR_OF, 1, {.words = {1}}, {told->rows, told->n, READ_IDS, 0, false}};
     return unpack(m, &colours, told->colours, err) && domain_await_rows(m, err);
 }

@@ -300,25 +300,41 @@ static void fill_fresh(duet_motion *m, motion_buffer which, const domain_bodies 
             memcpy(rows + i * row, b->states + i * all + byte_of(m, which), row);
 }
 
-static bool write_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b,
-                        duet_error *err)
+// Rows of fresh bodies go one buffer after the other, each from memory of its own, and their places
+// with the first.
+static bool write_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b, char *rows,
+                        bool is_first, duet_error *err)
 {
     const row_parts whole = {.words = {motion_words(m, which)}};
-    char *rows = calloc(b->n_fresh + 1, row_bytes(m, which));
-    if (!rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n_fresh);
+    const domain_ids ids = {b->fresh, b->n_fresh, READ_IDS, 0, !is_first};
     fill_fresh(m, which, b, rows);
-    bool ok = domain_unpack_rows(m, which, &whole, b->fresh, b->n_fresh, rows, err) &&
-              domain_await_rows(m, err);
-    free(rows);
-    return ok;
+    return domain_unpack_listed(m, which, &whole, &ids, rows, err);
+}
+
+static size_t lasting_bytes(const duet_motion *m)
+{
+    size_t bytes = 0;
+    for (int i = 0; i < N_LASTING; ++i)
+        bytes += row_bytes(m, lasting[i]);
+    return bytes;
 }
 
 static bool write_all_fresh(duet_motion *m, const domain_bodies *b, duet_error *err)
 {
-    bool ok = true;
-    for (int i = 0; ok && b->n_fresh > 0 && i < N_LASTING; ++i)
-        ok = row_bytes(m, lasting[i]) == 0 || write_fresh(m, lasting[i], b, err);
+    bool ok = true, is_first = true;
+    char *rows = calloc((size_t)b->n_fresh + 1, lasting_bytes(m)), *next = rows;
+    if (!rows)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n_fresh);
+    for (int i = 0; ok && b->n_fresh > 0 && i < N_LASTING; ++i) {
+        const size_t row = row_bytes(m, lasting[i]);
+        if (row == 0)
+            continue;
+        ok = write_fresh(m, lasting[i], b, next, is_first, err);
+        next += row * b->n_fresh;
+        is_first = false;
+    }
+    ok = domain_await_rows(m, err) && ok; // rows are freed
+    free(rows);
     return ok;
 }
 
@@ -466,6 +482,7 @@ static uint32_t count_pairs(const duet_motion *m, const domain_contacts *c)
 static bool lay_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
 {
     contact_rows r = {0};
+    m->graph.n_without = 0;
     bool ok = reserve_rows(&r, m->n, c->n, err);
     if (ok) {
         fill_rows(m, c, &r);

@@ -7,6 +7,7 @@
 #include "cluster/colouring.h"
 #include "cluster/job.h"
 #include "cluster/moving_domains.h"
+#include "cluster/row_order.h"
 
 #include "base/rng.h"
 #include "base/text.h"
@@ -552,6 +553,55 @@ static void colours_between_change_nothing(uint64_t seed)
     MUST(result.contacts >= s.least_contacts && result.ghosts > 0, "contacts at borders");
     must(duet_cluster_get_state_hash(cluster, &found, ERR));
     MUST(found == hash, "ghosts that come now more and now less often give other bits");
+    duet_cluster_destroy(cluster);
+}
+
+// Each look at the clock takes as long, so exchanges are a large part of a step.
+static uint64_t ticks_ns;
+
+static uint64_t tick_ns(void)
+{
+    return ticks_ns += 1000;
+}
+
+static void advance_by(duet_cluster *cluster, uint64_t steps, duet_cluster_motion_result *result)
+{
+    uint64_t (*now_ns)(void) = ranks_now_ns;
+    ranks_now_ns = tick_ns;
+    for (uint64_t i = 0; i < steps; ++i)
+        must(duet_cluster_advance(cluster, result, ERR));
+    ranks_now_ns = now_ns;
+}
+
+static bool is_rival(uint32_t every)
+{
+    bool is = false;
+    for (int i = 0; i < EVERY_RIVALS; ++i)
+        is = is || every_rivals[i] == every;
+    return is;
+}
+
+// If nobody says how often ghosts come, each number is tried; once somebody does, none is.
+static void ghosts_that_are_tried_change_nothing(void)
+{
+    const moving_scene s = {"falling", {{"n", "200"}, {"sleep", "false"}}, 2, 130, 200, 0};
+    const uint64_t hash = expected_hash(&s);
+    uint64_t found = 0;
+    duet_cluster_motion_result result;
+    duet_cluster *cluster = begin_on(2, duet_default_cluster_def(), &s);
+    if (!cluster)
+        return;
+    const every_trial *t = moving_get_trial(cluster->moving);
+    advance_by(cluster, s.steps, &result);
+    MUST(t->is_tried && is_rival(moving_get_every(cluster->moving)), "each number is tried");
+    for (int i = 0; i < EVERY_RIVALS; ++i)
+        MUST(t->best_ns[i] > 0, "each number's time");
+    MUST(result.contacts >= s.least_contacts && result.ghosts > 0, "contacts at borders");
+    must(duet_cluster_get_state_hash(cluster, &found, ERR));
+    MUST(found == hash, "a trial of how often ghosts come gives other bits");
+    must(moving_set_every(cluster->moving, 2, ERR));
+    advance_by(cluster, 40, &result);
+    MUST(!t->is_tried && t->turn == 0 && moving_get_every(cluster->moving) == 2, "as was said");
     duet_cluster_destroy(cluster);
 }
 
@@ -1453,6 +1503,72 @@ static void times_tell_what_contacts_cost(uint64_t seed)
     MUST(fabs(work_of(&model, 100, 20) - 150) < 1e-6, "20 ends are the work of 50 bodies");
 }
 
+typedef struct long_row {
+    uint64_t key, words[5];
+} long_row;
+
+static uint64_t key_of_long(const void *row)
+{
+    return ((const long_row *)row)->key;
+}
+
+// Ascending stretches of keys, some of them twice. Each key comes once, with its row, in order.
+static void rows_come_in_order(uint64_t seed)
+{
+    enum { KEYS_MOST = 300 };
+    rng r = rng_seed(seed);
+    for (int round = 0; round < 60; ++round) {
+        uint64_t seen[KEYS_MOST] = {0}, key = 0, n_seen = 0, at = 0;
+        item_list rows = {0};
+        for (uint32_t i = 0, n = rng_below(&r, 400); i < n; ++i) {
+            key = rng_below(&r, 9) == 0 ? rng_below(&r, KEYS_MOST) : key + rng_below(&r, 3);
+            key = round == 0 ? i : key % KEYS_MOST;
+            if (key >= KEYS_MOST)
+                break;
+            n_seen += seen[key]++ == 0;
+            const long_row row = {key, {key, key + 1, key + 2, key + 3, key + 4}};
+            list_add(&rows, &row, 1, sizeof row);
+        }
+        MUST(row_order(&rows, sizeof(long_row), key_of_long) && rows.n == n_seen, "each key once");
+        for (key = 0; key < KEYS_MOST; ++key) {
+            const long_row *row = (const long_row *)rows.items + at;
+            at += seen[key] > 0;
+            MUST(seen[key] == 0 || (row->key == key && row->words[4] == key + 4), "rows in order");
+        }
+        free(rows.items);
+    }
+}
+
+static void ids_are_found_at_their_places(uint64_t seed)
+{
+    enum { IDS = 2000 };
+    rng r = rng_seed(seed);
+    for (uint32_t one_of = 1; one_of < 400; one_of += 57) {
+        moving_domain d = {0};
+        moving m = {.n_all = IDS};
+        uint32_t places[IDS + 40];
+        for (uint32_t id = 0; id < IDS; ++id) {
+            const moving_body b = {.id = id};
+            const bool is_here = rng_below(&r, one_of) == 0;
+            places[id] = is_here ? (uint32_t)d.bodies.n : UINT32_MAX;
+            if (is_here)
+                list_add(&d.bodies.list, &b, 1, sizeof b);
+        }
+        for (uint32_t id = IDS; id < IDS + 40; ++id) { // that came after the others were counted
+
+            places[id] = (uint32_t)d.bodies.n;
+            list_add(&d.bodies.list, &(moving_body){.id = id}, 1, sizeof(moving_body));
+        }
+        for (int indexed = 0; indexed < 2; ++indexed) {
+            for (uint32_t id = 0; id < IDS + 40; ++id)
+                MUST(moving_place(&d, id) == places[id], "the place of an id");
+            moving_index_places(&m, &d, ERR);
+        }
+        free(d.bodies.rows);
+        free(d.index.firsts);
+    }
+}
+
 int main(int argc, char **argv)
 {
     uint64_t seed = job_begin(&argc, &argv, 8, 20261128);
@@ -1469,6 +1585,8 @@ int main(int argc, char **argv)
         an_exchange_reads_what_travels();
         a_motion_begins_with_the_ghosts_that_it_needs();
         rows_are_spliced(seed);
+        rows_come_in_order(seed);
+        ids_are_found_at_their_places(seed);
     }
     what_is_not_there_is_refused();
     a_carried_mesh_is_refused();
@@ -1476,6 +1594,7 @@ int main(int argc, char **argv)
     one_motion_goes_on_from_what_ranks_saved();
     borders_change_nothing(seed);
     colours_between_change_nothing(seed);
+    ghosts_that_are_tried_change_nothing();
     borders_follow_bodies();
     ranks_have_alike_much_to_do();
     what_waits_is_told_to_who_has_an_end();
