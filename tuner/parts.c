@@ -9,24 +9,19 @@
 
 enum { LEAST_PART = 1 << 4, FINAL_ROUNDS = 3 };
 
-static const double LONG_MS = 100;    // a launch of which a part is enough
 static const double ENOUGH_MS = 25;   // that the part takes: caches hold little of it
 static const double SAME_RATE = 0.95; // of a part's time for an item: twice as much takes as long
-static const double FINAL_NS =
-    1e10; // for all of the work by the last plans, beyond one launch each
+static const double FINAL_NS = 1e10;  // for all of the work, beyond one launch of each plan
 
 // A tuning that is taken up goes on with the part of its first trial.
 static uint32_t first_part(const tuning *t)
 {
-    const measure_machine *machine = &t->problem->machine;
+    double launch_ms = t->problem->machine.launch_ms;
     uint32_t part = DUET_SHARE_ONE;
-    if (!machine->set_part || t->problem->meter)
-        return part;
     if (t->state->n > 0)
         return (uint32_t)t->state->entries[0].scope;
-    if (machine->launch_ms < LONG_MS)
-        return part;
-    while (part > LEAST_PART && machine->launch_ms * part / 2 >= ENOUGH_MS * DUET_SHARE_ONE)
+    while (trial_budget_has_parts(t->problem) && part > LEAST_PART &&
+           launch_ms * part / 2 >= ENOUGH_MS * DUET_SHARE_ONE)
         part /= 2;
     return part;
 }

@@ -18,6 +18,13 @@ const race_options trial_budget_last_race = {.least_rounds = 14,
                                              .chosen_after = 14,
                                              .margin = 0.03};
 
+bool trial_budget_has_parts(const tune_problem *problem)
+{
+    static const double long_ms = 100;
+    const measure_machine *machine = &problem->machine;
+    return machine->set_part && !problem->meter && machine->launch_ms >= long_ms;
+}
+
 // Counts the rivals of the first race: all devices alone, and each mode's best share.
 static uint32_t most_rivals(const duet_tune_def *def)
 {
@@ -66,7 +73,7 @@ uint32_t trial_budget_likely(const tune_problem *problem, uint32_t kernels)
 // all of the work by two plans.
 static uint32_t least_at_the_end(const tune_problem *problem)
 {
-    uint32_t all = problem->machine.launch_ms > 0 ? 2 : 0;
+    uint32_t all = trial_budget_has_parts(problem) ? 2 : 0;
     return all + (problem->whole.open ? LEAST_RACED * 2 : problem->one_device ? LEAST_RACED : 0);
 }
 

@@ -22,6 +22,9 @@ enum {
 extern const race_options trial_budget_quick_race; // the race of variants
 extern const race_options trial_budget_last_race;  // the race for the verdict
 
+// Whether a launch of all of the work is so long that plans are compared on a part of it.
+bool trial_budget_has_parts(const tune_problem *problem);
+
 // The fewest trials of a budget from which a verdict follows.
 uint32_t trial_budget_least(const duet_tune_def *def);
 

@@ -120,7 +120,7 @@ TEST(sums_of_both_devices_are_added)
         "count");
 }
 
-// Of A's items 0 to 499 and B's 500 to 999 the first quarter of each.
+// A has items 0 to 499, and B 500 to 999.
 TEST(a_part_of_the_items_is_done_and_checked)
 {
     static const struct {

@@ -592,7 +592,7 @@ TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
 
 // ---------------------------------------------------------------- long launches
 
-// Of 10 s by one device.
+// Launches of 10 s by one device.
 static fake long_ones(uint64_t seed, double ratio, double start_ms)
 {
     return (fake){.model = {.ratio = ratio, .sigma = 0.02},
