@@ -14,6 +14,7 @@ static void end_side(halo_side *s)
     for (int i = 0; i < HALO_LISTS; ++i)
         free(s->runs[i].runs);
     free(s->counts);
+    free(s->pressed);
     s->rows.rows = NULL;
     parcels_end(&s->rows);
     host_block_release(&s->block);
@@ -127,7 +128,9 @@ static bool list_all(halo_side *s, const moving *m, duet_error *own)
 {
     if (!s->counts)
         s->counts = malloc(HALO_LISTS * (size_t)m->ranks->n * sizeof *s->counts);
-    if (!s->counts || !reserve_places(s, s->items.n + 1, own))
+    free(s->pressed);
+    s->pressed = calloc(s->items.n + 1, sizeof *s->pressed);
+    if (!s->counts || !s->pressed || !reserve_places(s, s->items.n + 1, own))
         return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
     for (int k = 0; k < HALO_LISTS; ++k)
         clear_list(s, k, m->ranks->n);
@@ -323,12 +326,27 @@ void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_er
     halo_end_after(h, m, colour, warm, halo_begin_after(h, m, colour, warm, own), own);
 }
 
+// Both sides see the same rows.
+static void note_pressed(halo_side *s)
+{
+    const uint32_t *asleep = s->rows.rows;
+    for (uint64_t i = 0; i < s->items.n; ++i)
+        s->pressed[i] = (asleep[i] & PRESSED) != 0;
+}
+
+void halo_exchange_asleep(halo *h, moving *m, duet_error *own)
+{
+    halo_exchange(h, m, ASLEEP, own);
+    note_pressed(&h->sent);
+    note_pressed(&h->received);
+}
+
 // As push_sleepers writes them (kernels/dynamics/update_sleep.cl).
 void halo_exchange_ways(halo *h, moving *m, uint32_t round, duet_error *own)
 {
     enum { VECTOR = 4 };
     const rows_moved rows = {BODIES, {.at = {(~round & 1u) * VECTOR}, .words = {VECTOR}}};
-    exchange(h, m, HALO_ALL, &rows, own);
+    exchange(h, m, HALO_PRESSED, &rows, own);
 }
 
 void halo_exchange_late(halo *h, moving *m, duet_error *own)
@@ -346,11 +364,13 @@ void halo_tell_home(halo *h, moving *m, duet_error *own)
 
 // The lists that a ghost is in, a bit for each. Contacts without a colour of their own leave it
 // wrong, for not all need be here.
-static uint64_t lists_of(const ghost_colours *c)
+static uint64_t lists_of(const halo_side *s, const ghost_colours *colours, uint64_t i)
 {
+    const ghost_colours *c = &colours[i];
     const uint32_t lost = c->at_home & ~(c->here & ((1u << HALO_COLOURS) - 1));
     return (uint64_t)c->comes | (uint64_t)(c->here != 0 && lost != 0) << HALO_ANY |
-           (uint64_t)(c->here == 0 && c->at_home != 0) << HALO_LATE;
+           (uint64_t)(c->here == 0 && c->at_home != 0) << HALO_LATE |
+           (uint64_t)s->pressed[i] << HALO_PRESSED;
 }
 
 // Makes space for each list behind the one of all.
@@ -359,7 +379,7 @@ static bool lay_lists(halo_side *s, const ghost_colours *colours, int n_ranks, d
     uint32_t n[HALO_LISTS] = {0};
     uint64_t all = s->items.n;
     for (uint64_t i = 0; i < s->items.n; ++i)
-        for (uint64_t left = lists_of(&colours[i]); left != 0; left &= left - 1)
+        for (uint64_t left = lists_of(s, colours, i); left != 0; left &= left - 1)
             ++n[__builtin_ctzll(left)];
     for (int k = 0; k < HALO_ALL; ++k) {
         clear_list(s, k, n_ranks);
@@ -401,7 +421,7 @@ static void list_alike(halo_side *s, const ghost_colours *colours, uint64_t firs
     memcpy(before, s->n, sizeof before);
     for (uint64_t i = first; i < end; ++i) {
         const uint32_t place = item_at(s, i)->place;
-        for (uint64_t left = lists_of(&colours[i]); left != 0; left &= left - 1) {
+        for (uint64_t left = lists_of(s, colours, i); left != 0; left &= left - 1) {
             const int list = __builtin_ctzll(left);
             s->places.rows[s->first[list] + s->n[list]++] = place;
         }

@@ -19,8 +19,17 @@ typedef struct halo_item {
 
 // Lists of ghosts: all; those that come after a colour, which have numbers from 0; after all
 // colours; those that any contact leaves wrong; and those that have contacts at home and none here,
-// which nobody asks for before the step ends.
-enum { HALO_COLOURS = 31, HALO_END = HALO_COLOURS, HALO_ANY, HALO_LATE, HALO_ALL, HALO_LISTS };
+// which nobody asks for before the step ends; and those that sleep deep in others, which alone
+// have ways.
+enum {
+    HALO_COLOURS = 31,
+    HALO_END = HALO_COLOURS,
+    HALO_ANY,
+    HALO_LATE,
+    HALO_PRESSED,
+    HALO_ALL,
+    HALO_LISTS
+};
 
 // Bits for colours of a ghost's contacts. `comes` has colours after which the ghost is to be sent;
 // HALO_END: after all.
@@ -46,6 +55,7 @@ typedef struct halo_side {
     uint32_t first[HALO_LISTS], n[HALO_LISTS]; // of each list in there
     halo_runs runs[HALO_LISTS];
     uint64_t *counts; // [HALO_LISTS][ranks] items of each list
+    uint8_t *pressed; // [items] 1: it is to be pushed out of what it sleeps in; else 0
     host_block block; // memory that rows go and come by
     parcels rows;     // they lie in it
 } halo_side;
@@ -88,7 +98,10 @@ void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, 
 int halo_begin_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
 void halo_end_after(halo *h, struct moving *m, uint32_t colour, bool warm, int n, duet_error *own);
 
-// Makes the ways of all ghosts that are pushed, which are a vector of their bodies, those of a
+// Makes flags of sleep (ASLEEP) those of the ghosts' own domains, and notes which are pressed.
+void halo_exchange_asleep(halo *h, struct moving *m, duet_error *own);
+
+// Makes the ways of all ghosts that are pressed, which are a vector of their bodies, those of a
 // round.
 void halo_exchange_ways(halo *h, struct moving *m, uint32_t round, duet_error *own);
 

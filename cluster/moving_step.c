@@ -126,7 +126,7 @@ static bool update_sleep(moving *m, tally *t, duet_error *own)
         return true;
     halo_exchange(&m->halo, m, RESTS, own);
     each(m, domain_update_sleep, own);
-    halo_exchange(&m->halo, m, ASLEEP, own);
+    halo_exchange_asleep(&m->halo, m, own);
     each(m, domain_read_flags, own);
     for (uint32_t k = 0; k < m->parts; ++k) {
         const uint32_t *flags = m->domains[k].motion->flags;

@@ -148,12 +148,33 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
     return ok;
 }
 
+// Rows that lie in the order of ranks already go as they lie.
+static bool lie_in_order(const ranks *r, const parcels_def *def)
+{
+    int last = 0;
+    if (!def->rows || def->n > INT_MAX || r->stands_for > 1)
+        return false;
+    for (uint64_t i = 0; def->rank_of && i < def->n; ++i) {
+        const int rank = def->rank_of(def->context, i);
+        if (rank < last)
+            return false;
+        last = rank;
+    }
+    return true;
+}
+
+static void count(parcels *out, const parcels_def *def)
+{
+    for (uint64_t i = 0; i < def->n; ++i)
+        ++out->counts[def->rank_of ? def->rank_of(def->context, i) : 0];
+}
+
 static bool fill(parcels *out, const ranks *r, const parcels_def *def, duet_error *err)
 {
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
     bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
-    for (uint64_t i = 0; ok && i < def->n; ++i)
-        ++out->counts[def->rank_of ? def->rank_of(def->context, i) : 0];
+    if (ok)
+        count(out, def);
     ok = ok && parcels_reserve(out, r, places, err);
     for (uint64_t i = 0; ok && i < def->n; ++i) {
         uint64_t to = places[def->rank_of ? def->rank_of(def->context, i) : 0]++;
@@ -170,9 +191,17 @@ static bool fill(parcels *out, const ranks *r, const parcels_def *def, duet_erro
 bool parcels_deal(ranks *r, bool ok, const parcels_def *def, parcels *in, duet_error *err)
 {
     parcels out = {0};
+    const bool lent = ok && lie_in_order(r, def);
     ok = parcels_begin(&out, r, (uint32_t)def->row_bytes, err) && ok;
-    ok = ok && fill(&out, r, def, err);
+    if (ok && lent) {
+        count(&out, def);
+        out.rows = (void *)def->rows;
+        out.n = def->n;
+    }
+    ok = ok && (lent || fill(&out, r, def, err));
     ok = parcels_exchange(r, ok, &out, in, err);
+    if (lent)
+        out.rows = NULL;
     parcels_end(&out);
     return ok;
 }
