@@ -133,7 +133,7 @@ static vector nearest_on_triangle(vector p, const vector t[3])
 }
 
 // Whether the body, made smaller by a length all around, still meets the triangle.
-__attribute__((unused)) static bool reaches(const box *b, const vector t[3], double less)
+static bool reaches(const box *b, const vector t[3], double less)
 {
     if (b->radius <= less)
         return core_reaches(b, t, less - b->radius);
@@ -382,6 +382,160 @@ TEST(boxes_in_ridges)
             }
             printf("rounded %d deep %d: of %d none %d, less %d, more %d\n", rounded, deep, n_all, n_none,
                    n_far, n_more);
+        }
+}
+
+// ---------------------------------------------------------------- sheets
+
+// A level sheet that looks both ways: its lower side at height 0, its upper at `thick`.
+static shape *sheet_of(rng *r, double thick)
+{
+    shape *s = shape_new();
+    const uint32_t n = 2 + rng_below(r, 8);
+    shape_grid(s, n + 1, 8.0 / n, ground_flat);
+    uint32_t half = s->mesh.n_triangles, vertices = s->mesh.n_vertices;
+    for (uint32_t i = 0; i < vertices; ++i)
+        shape_vertex(s, (double)s->vertices[3 * i], (double)s->vertices[3 * i + 1], thick);
+    for (uint32_t i = 0; i < half; ++i) {
+        const uint32_t *t = s->triangles + 3 * i;
+        shape_triangle(s, t[0] + vertices, t[1] + vertices, t[2] + vertices);
+    }
+    for (uint32_t i = 0; i < half; ++i) { // the lower side looks down
+        uint32_t *t = s->triangles + 3 * i, kept = t[1];
+        t[1] = t[2];
+        t[2] = kept;
+    }
+    return s;
+}
+
+TEST(boxes_under_sheets)
+{
+    rng r = rng_seed(test_seed());
+    asked *of = test_alloc(MOVER_MOST * sizeof *of);
+    static const double thick[] = {0, 0.0005, 0.005, 0.02, 0.06};
+    for (int rounded = 0; rounded < 2; ++rounded) {
+        uint32_t lost = 0, wrong = 0, off = 0, all = 0;
+        for (int round = 0; round < 10; ++round) {
+            shape *s = sheet_of(&r, thick[round % 5]);
+            mover *m = still();
+            m->def.mesh = &s->mesh;
+            for (int i = 0; i < 100; ++i) {
+                uint32_t id = add_any(m, &r, 0.05, 0.6, rounded ? rng_between(&r, 0.02, 0.1) : 0);
+                box b = box_of(m, id);
+                double up = reach(&b, (vector){0, 0, 1});
+                double deep = rng_between(&r, 1.5 * ground_slop, 0.95 * up);
+                put(m, id, (vector){rng_between(&r, -2.5, 2.5), rng_between(&r, -2.5, 2.5), deep - up});
+            }
+            ask(m, of);
+            for (uint32_t id = 0; id < m->n; ++id) {
+                box b = box_of(m, id);
+                double depth = b.centre.z + reach(&b, (vector){0, 0, 1});
+                vector way = way_out(&of[id]);
+                ++all;
+                lost += of[id].n == 0;
+                wrong += of[id].n > 0 && !(way.z < 0);
+                bool bad = fabs(way.z + depth) > half_slop || hypot(way.x, way.y) > half_slop;
+                off += bad;
+                if (bad && getenv("SAY"))
+                    printf("sheet %g %u: deep %g way %g %g %g by %d\n", thick[round % 5], id, depth,
+                           way.x, way.y, way.z, of[id].n);
+            }
+            mover_free(m);
+        }
+        printf("sheets, rounded %d: of %u lost %u wrong %u off %u\n", rounded, all, lost, wrong, off);
+    }
+}
+
+// ---------------------------------------------------------------- rough ground
+
+static void triangle_of(const shape *s, uint32_t i, vector t[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        const float *v = s->vertices + 3 * s->triangles[3 * i + k];
+        t[k] = (vector){(double)v[0], (double)v[1], (double)v[2]};
+    }
+}
+
+// Whether a body, made smaller all around, meets a triangle whose front it is on.
+static bool reaches_any(const shape *s, const box *b, double less)
+{
+    double far = b->radius + sqrt(b->half[0] * b->half[0] + b->half[1] * b->half[1] + b->half[2] * b->half[2]);
+    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
+        vector t[3];
+        triangle_of(s, i, t);
+        vector up = crossed(vector_less(t[1], t[0]), vector_less(t[2], t[0]));
+        vector way = vector_less(nearest_on_triangle(b->centre, t), b->centre);
+        if (vector_dot(way, way) < far * far && vector_dot(vector_less(b->centre, t[0]), up) > 0 &&
+            reaches(b, t, less))
+            return true;
+    }
+    return false;
+}
+
+TEST(boxes_in_rough_ground)
+{
+    rng r = ground_drawn = rng_seed(test_seed());
+    asked *of = test_alloc(MOVER_MOST * sizeof *of);
+    for (int heights = 0; heights < 2; ++heights)
+        for (int rounded = 0; rounded < 2; ++rounded) {
+            uint32_t lost = 0, held = 0, all = 0;
+            for (int round = 0; round < 4; ++round) {
+                enum { PLACES = 9 };
+                const double spacing = 0.3 + 0.2 * round;
+                shape *s = shape_new();
+                shape_grid(s, PLACES, spacing, ground_rough);
+                float values[PLACES * PLACES];
+                for (int i = 0; i < PLACES * PLACES; ++i)
+                    values[i] = s->vertices[3 * i + 2];
+                const double half = (PLACES - 1) * spacing / 2;
+                const duet_heights h = {.nx = PLACES, .ny = PLACES, .origin = {-half, -half, 0},
+                                        .spacing = {spacing, spacing}, .heights = values};
+                mover *m = still();
+                m->def.mesh = heights ? NULL : &s->mesh;
+                m->def.heights = heights ? &h : NULL;
+                for (int i = 0; i < 100; ++i) {
+                    uint32_t id = add_any(m, &r, 0.05, 0.4, rounded ? rng_between(&r, 0.02, 0.1) : 0);
+                    double x = rng_between(&r, -half, half) / 2, y = rng_between(&r, -half, half) / 2;
+                    double above = 2, below = -1;
+                    for (int k = 0; k < 30; ++k) {
+                        double z = (above + below) / 2;
+                        put(m, id, (vector){x, y, z});
+                        box b = box_of(m, id);
+                        if (reaches_any(s, &b, 0))
+                            below = z;
+                        else
+                            above = z;
+                    }
+                    put(m, id, (vector){x, y, above - rng_between(&r, 1, 6) * ground_slop});
+                    box b = box_of(m, id);
+                    if (!reaches_any(s, &b, ground_slop))
+                        --m->n;
+                }
+                ask(m, of);
+                for (uint32_t id = 0; id < m->n; ++id) {
+                    box b = box_of(m, id);
+                    vector way = way_out(&of[id]);
+                    ++all;
+                    lost += of[id].n == 0;
+                    b.centre = plus(b.centre, 1, way);
+                    bool bad = reaches_any(s, &b, ground_slop);
+                    held += bad;
+                    if (bad && getenv("SAY")) {
+                        printf("rough heights %d rounded %d spacing %g %u: way %g %g %g by %d:", heights, rounded,
+                               spacing, id, way.x, way.y, way.z, of[id].n);
+                        for (int k = 0; k < of[id].n; ++k)
+                            printf(" (%.2f %.2f %.2f: %.4f)", of[id].out[k].x, of[id].out[k].y,
+                                   of[id].out[k].z, of[id].depth[k]);
+                        double in = 0;
+                        while (in < 0.2 && reaches_any(s, &b, in))
+                            in += 0.0005;
+                        printf(" still %g\n", in);
+                    }
+                }
+                mover_free(m);
+            }
+            printf("rough, heights %d, rounded %d: of %u lost %u still in %u\n", heights, rounded, all, lost,
+                   held);
         }
 }
 
