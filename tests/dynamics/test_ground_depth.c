@@ -437,7 +437,7 @@ TEST(boxes_under_sheets)
                 bool bad = fabs(way.z + depth) > half_slop || hypot(way.x, way.y) > half_slop;
                 off += bad;
                 if (bad && getenv("SAY"))
-                    printf("sheet %g %u: deep %g way %g %g %g by %d\n", thick[round % 5], id, depth,
+                    printf("sheet %g %u half %.7g: deep %g way %g %g %g by %d\n", thick[round % 5], id, b.half[0], depth,
                            way.x, way.y, way.z, of[id].n);
             }
             mover_free(m);
@@ -521,8 +521,8 @@ TEST(boxes_in_rough_ground)
                     bool bad = reaches_any(s, &b, ground_slop);
                     held += bad;
                     if (bad && getenv("SAY")) {
-                        printf("rough heights %d rounded %d spacing %g %u: way %g %g %g by %d:", heights, rounded,
-                               spacing, id, way.x, way.y, way.z, of[id].n);
+                        printf("rough heights %d rounded %d spacing %g %u half %.7g: way %g %g %g by %d:", heights, rounded,
+                               spacing, id, b.half[0], way.x, way.y, way.z, of[id].n);
                         for (int k = 0; k < of[id].n; ++k)
                             printf(" (%.2f %.2f %.2f: %.4f)", of[id].out[k].x, of[id].out[k].y,
                                    of[id].out[k].z, of[id].depth[k]);
