@@ -456,17 +456,20 @@ static void triangle_of(const shape *s, uint32_t i, vector t[3])
     }
 }
 
-// Whether a body, made smaller all around, meets a triangle whose front it is on.
-static bool reaches_any(const shape *s, const box *b, double less)
+// Whether a body, made smaller all around, meets a triangle that it also meets as `was`, in front of
+// which that has its centre.
+static bool reaches_any(const shape *s, const box *b, const box *was, double less)
 {
-    double far = b->radius + sqrt(b->half[0] * b->half[0] + b->half[1] * b->half[1] + b->half[2] * b->half[2]);
+    double far = was->radius + sqrt(was->half[0] * was->half[0] + was->half[1] * was->half[1] +
+                                    was->half[2] * was->half[2]);
     for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
         vector t[3];
         triangle_of(s, i, t);
         vector up = crossed(vector_less(t[1], t[0]), vector_less(t[2], t[0]));
-        vector way = vector_less(nearest_on_triangle(b->centre, t), b->centre);
-        if (vector_dot(way, way) < far * far && vector_dot(vector_less(b->centre, t[0]), up) > 0 &&
-            reaches(b, t, less))
+        vector way = vector_less(nearest_on_triangle(was->centre, t), was->centre);
+        if (vector_dot(way, way) < far * far &&
+            vector_dot(vector_less(was->centre, t[0]), up) > 0 && reaches(was, t, less) &&
+            (b == was || reaches(b, t, less)))
             return true;
     }
     return false;
@@ -501,14 +504,14 @@ TEST(boxes_in_rough_ground)
                         double z = (above + below) / 2;
                         put(m, id, (vector){x, y, z});
                         box b = box_of(m, id);
-                        if (reaches_any(s, &b, 0))
+                        if (reaches_any(s, &b, &b, 0))
                             below = z;
                         else
                             above = z;
                     }
                     put(m, id, (vector){x, y, above - rng_between(&r, 1, 6) * ground_slop});
                     box b = box_of(m, id);
-                    if (!reaches_any(s, &b, ground_slop))
+                    if (!reaches_any(s, &b, &b, ground_slop))
                         --m->n;
                 }
                 ask(m, of);
@@ -517,8 +520,9 @@ TEST(boxes_in_rough_ground)
                     vector way = way_out(&of[id]);
                     ++all;
                     lost += of[id].n == 0;
+                    const box was = b;
                     b.centre = plus(b.centre, 1, way);
-                    bool bad = reaches_any(s, &b, ground_slop);
+                    bool bad = reaches_any(s, &b, &was, ground_slop);
                     held += bad;
                     if (bad && getenv("SAY")) {
                         printf("rough heights %d rounded %d spacing %g %u half %.7g: way %g %g %g by %d:", heights, rounded,
@@ -527,7 +531,7 @@ TEST(boxes_in_rough_ground)
                             printf(" (%.2f %.2f %.2f: %.4f)", of[id].out[k].x, of[id].out[k].y,
                                    of[id].out[k].z, of[id].depth[k]);
                         double in = 0;
-                        while (in < 0.2 && reaches_any(s, &b, in))
+                        while (in < 0.2 && reaches_any(s, &b, &was, in))
                             in += 0.0005;
                         printf(" still %g\n", in);
                     }
