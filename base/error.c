@@ -168,6 +168,24 @@ bool error_given(const void *pointer, const char *call, const char *argument, du
                                 "%s: %s is NULL; expected a valid pointer", call, argument);
 }
 
+bool error_def(bool is_ours, const char *noun, const char *maker, duet_error *err)
+{
+    return is_ours || error_set(err, DUET_STATUS_BAD_ARGUMENT, "the %s's def does not come from %s",
+                                noun, maker);
+}
+
+bool error_def_pair(const void *pair, const char *noun, duet_error *err)
+{
+    return pair ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "the %s's def has no device pair", noun);
+}
+
+bool error_def_dims(uint32_t dims, duet_error *err)
+{
+    return dims == 2 || dims == 3 ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", dims);
+}
+
 const char *duet_status_name(duet_status status)
 {
     switch (status) {

@@ -6,6 +6,7 @@
 #include "duet_error.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 // The first statement of each public call that takes an error. Within it err begins without a
 // failure, so that the first one of this call is kept; if the call does not fail, err is afterwards
@@ -43,5 +44,11 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
 // False with BAD_ARGUMENT if a required argument of a public call is NULL: the line names the
 // call and the argument.
 bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err);
+
+// The first checks of a noun's def, BAD_ARGUMENT otherwise: it comes from `maker`, as its cookie
+// says; it has a device pair, and 2 or 3 dimensions.
+bool error_def(bool is_ours, const char *noun, const char *maker, duet_error *err);
+bool error_def_pair(const void *pair, const char *noun, duet_error *err);
+bool error_def_dims(uint32_t dims, duet_error *err);
 
 #endif

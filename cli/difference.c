@@ -2,6 +2,7 @@
 #include "cli/difference.h"
 
 #include "base/error.h"
+#include "runtime/dynamics/domain_motion.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -43,6 +44,11 @@ bool difference_is(const verified_run runs[2], bool stepped)
            (stepped && !same_events(&x->last, &y->last));
 }
 
+bool difference_is_told(const verified_run runs[2])
+{
+    return !same_events(&runs[0].last, &runs[1].last);
+}
+
 // ---------------------------------------------------------------- naming
 
 static uint64_t id_at(const verified_run *r, uint32_t place)
@@ -53,24 +59,33 @@ static uint64_t id_at(const verified_run *r, uint32_t place)
     return id;
 }
 
-static bool put(difference *d, const char *stage, uint64_t body, double a, double b)
+// Of what differs in one stage that of the least id counts, which is not always that of the first
+// place; of a body what is put first.
+static void put(difference *d, const char *stage, const char *field, uint64_t body, double a,
+                double b)
 {
+    if (d->stage && body >= d->body)
+        return;
     d->stage = stage;
+    snprintf(d->field, sizeof d->field, "%s", field);
     d->body = body;
     d->values[0] = a;
     d->values[1] = b;
-    return true;
 }
 
-static void name_contact(difference *d, const char *what, const verified_run *r, uint32_t b)
+// The same of a contact, whose body a it is.
+static void put_contact(difference *d, const verified_run *r, const char *stage, const char *what,
+                        const duet_contact *of, double a, double b)
 {
-    uint32_t n = duet_motion_get_count(r->motion);
-    if (b < n)
-        snprintf(d->field, sizeof d->field, "%s with body %" PRIu64, what, id_at(r, b));
-    else if (b < n + 6)
-        snprintf(d->field, sizeof d->field, "%s with wall %u", what, b - n);
+    const uint32_t n = duet_motion_get_count(r->motion), other = of->b;
+    char field[sizeof d->field];
+    if (other < n)
+        snprintf(field, sizeof field, "%s with body %" PRIu64, what, id_at(r, other));
+    else if (other < n + 6)
+        snprintf(field, sizeof field, "%s with wall %u", what, other - n);
     else
-        snprintf(d->field, sizeof d->field, "%s with the ground", what);
+        snprintf(field, sizeof field, "%s with the ground", what);
+    put(d, stage, field, id_at(r, of->a), a, b);
 }
 
 // ---------------------------------------------------------------- states
@@ -98,17 +113,13 @@ static duet_state *states_of(const verified_run *r, duet_error *err)
     return NULL;
 }
 
-static bool note_state(difference *d, const verified_run *r, const char *stage, const duet_state *x,
-                       const duet_state *y, uint32_t n)
+static void note_states(difference *d, const verified_run *r, const char *stage,
+                        const duet_state *x, const duet_state *y, uint32_t n)
 {
     const double *a = (const double *)x, *b = (const double *)y;
-    for (size_t i = 0; i < (size_t)n * NUMBERS; ++i) {
-        if (same(a[i], b[i]))
-            continue;
-        snprintf(d->field, sizeof d->field, "%s", state_fields[i % NUMBERS]);
-        return put(d, stage, id_at(r, (uint32_t)(i / NUMBERS)), a[i], b[i]);
-    }
-    return false;
+    for (size_t i = 0; i < (size_t)n * NUMBERS; ++i)
+        if (!same(a[i], b[i]))
+            put(d, stage, state_fields[i % NUMBERS], id_at(r, (uint32_t)(i / NUMBERS)), a[i], b[i]);
 }
 
 bool difference_find_state(difference *d, const verified_run runs[2], const char *stage,
@@ -117,10 +128,10 @@ bool difference_find_state(difference *d, const verified_run runs[2], const char
     uint32_t n[2] = {duet_motion_get_count(runs[0].motion), duet_motion_get_count(runs[1].motion)};
     duet_state *x = states_of(&runs[0], err);
     duet_state *y = x ? states_of(&runs[1], err) : NULL;
-    if (y && !note_state(d, &runs[0], stage, x, y, n[0] < n[1] ? n[0] : n[1]) && n[0] != n[1]) {
-        snprintf(d->field, sizeof d->field, "places");
-        put(d, stage, DUET_NO_BODY, n[0], n[1]);
-    }
+    if (y)
+        note_states(d, &runs[0], stage, x, y, n[0] < n[1] ? n[0] : n[1]);
+    if (y && n[0] != n[1])
+        put(d, stage, "places", DUET_NO_BODY, n[0], n[1]);
     free(x);
     free(y);
     return y;
@@ -140,28 +151,16 @@ static int order_of(const duet_contact *x, const duet_contact *y)
     return x->b == y->b ? 0 : x->b < y->b ? -1 : 1;
 }
 
-// The points of a contact that one motion alone has, or that has other points.
-static bool note_touch(difference *d, const verified_run *r, const duet_contact *x,
-                       const duet_contact *y)
-{
-    int order = x && y ? order_of(x, y) : x ? -1 : 1;
-    const duet_contact *first = order <= 0 ? x : y;
-    if (order == 0 && x->n == y->n)
-        return false;
-    name_contact(d, "points of the contact", r, first->b);
-    return put(d, "contacts", id_at(r, first->a), order <= 0 ? x->n : NAN, order >= 0 ? y->n : NAN);
-}
-
 static bool note_number(difference *d, const verified_run *r, const char *stage, const char *what,
                         const duet_contact *of, double a, double b)
 {
     if (same(a, b))
         return false;
-    name_contact(d, what, r, of->b);
-    return put(d, stage, id_at(r, of->a), a, b);
+    put_contact(d, r, stage, what, of, a, b);
+    return true;
 }
 
-static bool note_manifold(difference *d, const verified_run *r, const duet_contact *x,
+static void note_manifold(difference *d, const verified_run *r, const duet_contact *x,
                           const duet_contact *y)
 {
     bool found = false;
@@ -174,30 +173,43 @@ static bool note_manifold(difference *d, const verified_run *r, const duet_conta
             found = note_number(d, r, "manifolds", "anchor", x, x->points[i].anchor[k],
                                 y->points[i].anchor[k]);
     }
-    return found;
 }
 
-static bool note_impulse(difference *d, const verified_run *r, const duet_contact *x,
+static void note_impulse(difference *d, const verified_run *r, const duet_contact *x,
                          const duet_contact *y)
 {
     bool found = false;
     for (uint32_t i = 0; !found && i < x->n; ++i)
         found = note_number(d, r, "solver", "impulse of the contact", x,
                             x->points[i].normal_impulse, y->points[i].normal_impulse);
-    return found;
 }
 
-typedef bool note(difference *d, const verified_run *r, const duet_contact *x,
+// Contacts that one motion alone has, or that have other points.
+static void note_touches(difference *d, const verified_run *r, const contact_list *x,
+                         const contact_list *y)
+{
+    for (uint64_t i = 0, k = 0; i < x->n || k < y->n;) {
+        const duet_contact *a = i < x->n ? &x->contacts[i] : NULL;
+        const duet_contact *b = k < y->n ? &y->contacts[k] : NULL;
+        const int order = a && b ? order_of(a, b) : a ? -1 : 1;
+        if (order != 0 || a->n != b->n)
+            put_contact(d, r, "contacts", "points of the contact", order <= 0 ? a : b,
+                        order <= 0 ? a->n : NAN, order >= 0 ? b->n : NAN);
+        i += order <= 0;
+        k += order >= 0;
+    }
+}
+
+typedef void note(difference *d, const verified_run *r, const duet_contact *x,
                   const duet_contact *y);
 
-// The first pair of contacts that differs. All but note_touch need equal lists.
-static bool note_first(difference *d, const verified_run *r, note *differs, const contact_list *x,
-                       const contact_list *y)
+// The contacts of both are the same, if nothing was found before.
+static void note_contacts(difference *d, const verified_run *r, note *differs,
+                          const contact_list *x, const contact_list *y)
 {
-    for (uint64_t i = 0; i < x->n || i < y->n; ++i)
-        if (differs(d, r, i < x->n ? &x->contacts[i] : NULL, i < y->n ? &y->contacts[i] : NULL))
-            return true;
-    return false;
+    const bool found = d->stage;
+    for (uint64_t i = 0; !found && i < x->n; ++i)
+        differs(d, r, &x->contacts[i], &y->contacts[i]);
 }
 
 static bool read_contacts(const verified_run *r, contact_list *list, duet_error *err)
@@ -223,15 +235,54 @@ static void note_events(difference *d, const duet_motion_result *x, const duet_m
                   {"events", {x->n_events, y->n_events}},
                   {"stays", {x->n_stays, y->n_stays}},
                   {"hits", {x->n_hits, y->n_hits}}};
-    for (size_t i = 0; i < sizeof counts / sizeof counts[0] && !d->stage; ++i)
-        if (counts[i].n[0] != counts[i].n[1]) {
-            snprintf(d->field, sizeof d->field, "%s", counts[i].name);
-            put(d, "events", DUET_NO_BODY, (double)counts[i].n[0], (double)counts[i].n[1]);
-        }
-    if (d->stage || same_events(x, y))
-        return;
-    snprintf(d->field, sizeof d->field, "bodies of the events");
-    put(d, "events", DUET_NO_BODY, NAN, NAN);
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i)
+        if (counts[i].n[0] != counts[i].n[1])
+            put(d, "events", counts[i].name, DUET_NO_BODY, (double)counts[i].n[0],
+                (double)counts[i].n[1]);
+    if (!same_events(x, y))
+        put(d, "events", "bodies of the events", DUET_NO_BODY, NAN, NAN);
+}
+
+// A row of a touching contact: its bodies, and the colour by which it is solved.
+static uint32_t next_touching(const domain_contacts *c, uint32_t row)
+{
+    while (row < c->n && !(c->touches[row] & TOUCH_POINTS))
+        ++row;
+    return row;
+}
+
+static void note_colour(difference *d, const verified_run *r, const cl_uint2 *link, cl_uint a,
+                        cl_uint b)
+{
+    const duet_contact of = {.a = link->s[0], .b = link->s[1]};
+    if (a != b)
+        put_contact(d, r, "colours", "colour of the contact", &of, a, b);
+}
+
+static bool note_colours(difference *d, const verified_run runs[2], duet_error *err)
+{
+    domain_contacts x = {0}, y = {0};
+    bool ok = domain_read_contacts(runs[0].motion, false, &x, err) &&
+              domain_read_contacts(runs[1].motion, false, &y, err);
+    uint32_t i = ok ? next_touching(&x, 0) : 0, k = ok ? next_touching(&y, 0) : 0;
+    for (; ok && i < x.n && k < y.n; i = next_touching(&x, i + 1), k = next_touching(&y, k + 1))
+        note_colour(d, &runs[0], &x.links[i], x.colours[i], y.colours[k]);
+    domain_contacts_free(&x);
+    domain_contacts_free(&y);
+    return ok;
+}
+
+static bool note_solved(difference *d, const verified_run runs[2], const contact_list *x,
+                        const contact_list *y, duet_error *err)
+{
+    const verified_run *r = &runs[0];
+    bool ok = !pushes(r) || d->stage || note_colours(d, runs, err);
+    ok = ok && (!pushes(r) || d->stage || difference_find_state(d, runs, "solver", err));
+    if (ok)
+        note_contacts(d, r, note_impulse, x, y);
+    if (ok && !d->stage)
+        note_events(d, &runs[0].last, &runs[1].last);
+    return ok;
 }
 
 // Contacts lie before what they push, and behind what flies free.
@@ -242,12 +293,11 @@ bool difference_find(difference *d, const verified_run runs[2], duet_error *err)
     bool ok = read_contacts(&runs[0], &x, err) && read_contacts(&runs[1], &y, err);
     if (ok && !pushes(r))
         ok = difference_find_state(d, runs, "integration", err);
-    bool found = !ok || d->stage || note_first(d, r, note_touch, &x, &y) ||
-                 note_first(d, r, note_manifold, &x, &y);
-    if (!found && pushes(r))
-        ok = difference_find_state(d, runs, "solver", err);
-    if (ok && !d->stage && !note_first(d, r, note_impulse, &x, &y))
-        note_events(d, &runs[0].last, &runs[1].last);
+    if (ok && !d->stage)
+        note_touches(d, r, &x, &y);
+    if (ok)
+        note_contacts(d, r, note_manifold, &x, &y);
+    ok = ok && note_solved(d, runs, &x, &y, err);
     duet_free(x.contacts);
     duet_free(y.contacts);
     return ok;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Finds what differs first between two motions after the same step: stage, body, field and values.
+// Finds what differs first between two motions after the same step: the stage, in that the body of
+// the least id, its first field, and both values.
 #ifndef CLI_DIFFERENCE_H
 #define CLI_DIFFERENCE_H
 
@@ -17,8 +18,11 @@ typedef struct difference {
 // there are no events.
 bool difference_is(const verified_run runs[2], bool stepped);
 
+// Whether the events of a step, or its numbers of contacts that push, differ, which costs nothing.
+bool difference_is_told(const verified_run runs[2]);
+
 // Finds what differs after a step, in the order of its stages: contacts (which touch), manifolds
-// (where), solver (impulses, velocities and poses; integration if nothing pushes), events.
+// (where), colours, solver (impulses, velocities and poses; integration if nothing pushes), events.
 bool difference_find(difference *d, const verified_run runs[2], duet_error *err);
 
 // Finds what of the states differs, before a step.

@@ -22,23 +22,38 @@
 // then be in the handler at once; a person is slower.
 enum { LEAST_NS_APART = 200000000 };
 
-static _Atomic uint64_t asked_ns; // 0: not asked
-static _Atomic int asked_by;      // the signal
-static _Atomic bool insisted;     // a second time
+static _Atomic uint64_t asked_ns;  // 0: not asked
+static _Atomic int asked_by;       // the signal
+static _Atomic bool insisted;      // a second time
+static _Atomic int told_file = -1; // is told of it
 static _Atomic interrupt_reaction reaction;
 static _Atomic bool told;         // that the program was stopped
 static _Atomic bool told_waiting; // that the command must be waited for
 static sigset_t heard;            // by the guard
 static int also_heard;            // 0: no other signal
 
+static void tell_asked(void)
+{
+    const int file = atomic_load(&told_file), code = errno;
+    if (file >= 0 && write(file, "", 1) < 0)
+        errno = code;
+}
+
 static void note(int number)
 {
     uint64_t now = clock_steady_ns();
     uint64_t first = 0;
-    if (atomic_compare_exchange_strong(&asked_ns, &first, now))
+    if (atomic_compare_exchange_strong(&asked_ns, &first, now)) {
         atomic_store(&asked_by, number);
-    else if (now > first && now - first > LEAST_NS_APART)
+        tell_asked();
+    } else if (now > first && now - first > LEAST_NS_APART) {
         atomic_store(&insisted, true);
+    }
+}
+
+void interrupt_tell(int file)
+{
+    atomic_store(&told_file, file);
 }
 
 bool interrupt_asked(void)
@@ -178,8 +193,10 @@ static void *guard(void *unused)
     const struct timespec pause = {.tv_nsec = PAUSE_NS};
     for (;;) {
         int number = sigtimedwait(&heard, NULL, &pause);
-        if (number > 0 && atomic_load(&reaction) >= INTERRUPT_ENDS)
+        if (number > 0 && atomic_load(&reaction) >= INTERRUPT_ENDS) {
+            tell_asked();
             end_with_line(number);
+        }
         if (number > 0)
             note(number);
         look();

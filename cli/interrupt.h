@@ -30,6 +30,9 @@ void interrupt_pass(bool passes);
 // Has a signal of this number mean the same. Before interrupt_watch.
 void interrupt_hear(int number);
 
+// Writes a byte to a file, as a socket, once a signal comes.
+void interrupt_tell(int file);
+
 // The effect of a signal from here on.
 typedef enum interrupt_reaction {
     INTERRUPT_NOTED,       // the state at first: work asks between two steps

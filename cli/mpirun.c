@@ -10,28 +10,38 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 
-#define STOP_NS 1000000000u  // given to ranks that are asked to stop
-#define GRACE_NS 5000000000u // between a signal that asks and one that does not
-#define STUCK_NS 3000000000u // given to mpirun to notice that all that it started has ended
+#define STOP_NS 2500000000u       // given to ranks that are asked to stop
+#define STOP_GRACE_NS 1500000000u // then to mpirun to end them, which was asked to
+#define GRACE_NS 5000000000u      // likewise where ranks do not begin
+#define STUCK_NS 3000000000u      // given to mpirun to notice that all that it started has ended
 
 typedef struct job {
     const mpirun_job *what;
-    bool begun;   // all ranks are there
-    bool stopped; // they have stopped, because one was asked to
+    bool begun;       // all ranks are there
+    bool stopped;     // they have stopped, because one was asked to
+    bool ranks_asked; // by a signal, as the socket was told
     pid_t mpirun;
     int err_pipe;      // its stderr; -1: closed
+    bool mid_line;     // what passed last was no end of a line
+    bool drops;        // what passes is a line that is not told
+    int asked;         // a socket: ranks write there that they were asked to stop; -1: none
     int status;        // that waitpid tells
     uint64_t start_ns; // by when ranks are to have begun; 0: there is no limit
     uint64_t stop_ns;  // when ranks were asked to stop; 0: not
@@ -82,6 +92,49 @@ static unsigned long patience_s(void)
     return given && *given ? strtoul(given, NULL, 10) : START_S;
 }
 
+// ---------------------------------------------------------------- the socket
+
+// Abstract: it is in no folder, and goes with its process.
+static socklen_t name_socket(struct sockaddr_un *to, const char *name)
+{
+    *to = (struct sockaddr_un){.sun_family = AF_UNIX};
+    int n = snprintf(to->sun_path + 1, sizeof to->sun_path - 1, "%s", name);
+    return (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)n);
+}
+
+static int open_socket(void)
+{
+    return socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+}
+
+// Without it the job ends with another line.
+static void listen_for_ranks(job *j)
+{
+    struct sockaddr_un own;
+    char name[40];
+    uint64_t number;
+    if (getrandom(&number, sizeof number, GRND_NONBLOCK) != sizeof number)
+        return;
+    snprintf(name, sizeof name, "duet-cluster-%016" PRIx64, number);
+    socklen_t length = name_socket(&own, name);
+    j->asked = open_socket();
+    if (j->asked >= 0 && bind(j->asked, (struct sockaddr *)&own, length) == 0)
+        setenv(MPIRUN_ASKED, name, 1);
+}
+
+int mpirun_connect(void)
+{
+    struct sockaddr_un starter;
+    const char *name = getenv(MPIRUN_ASKED);
+    if (!name || strlen(name) >= sizeof starter.sun_path - 1)
+        return -1;
+    int file = open_socket();
+    if (file < 0 || connect(file, (struct sockaddr *)&starter, name_socket(&starter, name)) == 0)
+        return file;
+    close(file);
+    return -1;
+}
+
 // ---------------------------------------------------------------- from begin to end
 
 static bool spawn(job *j, duet_error *err)
@@ -104,6 +157,22 @@ static bool spawn(job *j, duet_error *err)
                                   code == ENOENT ? "; on Debian: apt install openmpi-bin" : "");
 }
 
+// Whether it was asked to stop, or a rank was.
+static bool is_stopping(const job *j)
+{
+    return j->stop_ns > 0 || j->stopped || j->ranks_asked;
+}
+
+// Whether a byte is told. Once the job stops, lines are only told if they are of Duet: mpirun,
+// which is then asked to end it, has much to say of that.
+static bool passes(job *j, char byte)
+{
+    if (!j->mid_line)
+        j->drops = is_stopping(j) && !j->what->verbose && byte != 'd';
+    j->mid_line = byte != '\n' && byte != '\r';
+    return !j->drops;
+}
+
 // Passes on what mpirun and the ranks write. Returns whether there was something within `wait_ms`.
 static bool relay(job *j, int wait_ms)
 {
@@ -115,7 +184,7 @@ static bool relay(job *j, int wait_ms)
     for (ssize_t i = 0; i < n; ++i) {
         j->begun |= bytes[i] == MPIRUN_BEGUN;
         j->stopped |= bytes[i] == MPIRUN_STOPPED;
-        if (bytes[i] != MPIRUN_BEGUN && bytes[i] != MPIRUN_STOPPED)
+        if (bytes[i] != MPIRUN_BEGUN && bytes[i] != MPIRUN_STOPPED && passes(j, bytes[i]))
             bytes[passed++] = bytes[i];
     }
     fwrite(bytes, 1, (size_t)passed, stderr);
@@ -129,6 +198,8 @@ static bool relay(job *j, int wait_ms)
 // Ranks that are at work tell what they have done; others end.
 static void ask_to_stop(job *j)
 {
+    char told;
+    j->ranks_asked |= j->asked >= 0 && recv(j->asked, &told, 1, 0) == 1;
     if (j->stop_ns > 0 || !interrupt_asked())
         return;
     kill(j->mpirun, MPIRUN_STOPS);
@@ -143,7 +214,7 @@ static void ask_to_end(job *j)
     if (j->asked_ns == 0 && late) {
         kill(j->mpirun, SIGTERM);
         j->asked_ns = now;
-    } else if (j->asked_ns > 0 && now - j->asked_ns > GRACE_NS) {
+    } else if (j->asked_ns > 0 && now - j->asked_ns > (j->stop_ns > 0 ? STOP_GRACE_NS : GRACE_NS)) {
         kill(j->mpirun, SIGKILL);
     }
 }
@@ -209,12 +280,13 @@ static bool wait_for(job *j)
 }
 
 // Ends processes that mpirun has left, as an ssh that hangs: they are this process's since then.
-static void end_rest(void)
+// Ranks that were asked to stop, and have not, are in a long step.
+static void end_rest(const job *j)
 {
     long child;
     FILE *children = children_of(getpid());
     while (children && fscanf(children, "%ld", &child) == 1)
-        kill((pid_t)child, SIGTERM);
+        kill((pid_t)child, is_stopping(j) ? SIGKILL : SIGTERM);
     if (children)
         fclose(children);
 }
@@ -248,11 +320,18 @@ static bool fail_by_status(const job *j, int code, duet_error *err)
                      j->what->verbose ? "" : "; with --verbose it says why");
 }
 
+// mpirun asks ranks to stop because it was itself, or because it has lost one: its status then says
+// how that one ended.
+static bool is_mpirun_asked(const job *j)
+{
+    return j->ranks_asked && WIFEXITED(j->status) && WEXITSTATUS(j->status) == EXIT_FAILED;
+}
+
 static bool explain(const job *j, int *status, duet_error *err)
 {
     int code = WIFEXITED(j->status) ? WEXITSTATUS(j->status) : 0;
     *status = code == 0 ? EXIT_OK : code - MPIRUN_TOLD;
-    if (interrupt_asked() || j->stopped)
+    if (interrupt_asked() || j->stopped || is_mpirun_asked(j))
         return error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
     if (j->asked_ns > 0)
         return error_set(err, DUET_STATUS_IO_FAILED,
@@ -274,17 +353,20 @@ static bool explain(const job *j, int *status, duet_error *err)
 
 bool mpirun_run(const mpirun_job *what, int *status, duet_error *err)
 {
-    job j = {.what = what, .patience_s = patience_s()};
+    job j = {.what = what, .asked = -1, .patience_s = patience_s()};
     if (what->hosts && j.patience_s > 0)
         j.start_ns = clock_steady_ns() + j.patience_s * 1000000000u;
     prepare(what);
+    listen_for_ranks(&j);
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     if (!spawn(&j, err))
         return false;
     bool ok = wait_for(&j) ||
               error_set(err, DUET_STATUS_IO_FAILED, "mpirun is gone: %s", strerror(errno));
-    end_rest();
+    end_rest(&j);
     if (j.err_pipe >= 0)
         close(j.err_pipe);
+    if (j.asked >= 0)
+        close(j.asked);
     return ok && explain(&j, status, err);
 }

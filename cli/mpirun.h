@@ -23,6 +23,13 @@ enum { MPIRUN_BEGUN = 0x06, MPIRUN_STOPPED = 0x18 };
 // ranks then end with it, unless a terminal tells them, too.
 #define MPIRUN_STOPS SIGUSR2
 
+// The name of a socket of this host that a rank tells once a signal asks it to stop: mpirun, when
+// it is asked itself, ends its ranks by one and no longer passes on what they write.
+#define MPIRUN_ASKED "DUET_CLUSTER_ASKED"
+
+// For a rank: connects to that socket, to which a byte is written then; -1: there is none.
+int mpirun_connect(void);
+
 typedef struct mpirun_job {
     char **argv;       // mpirun's, itself first, and NULL last
     const char *hosts; // machines that it is to reach; NULL: this one

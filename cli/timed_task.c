@@ -11,7 +11,7 @@ static bool launch(timed *t, task_launcher *l, const duet_device_pair *pair, con
                    core_watch *cores, duet_error *err)
 {
     task_result r;
-    task_launch_reset(l);
+    task_launch_reset(l, plan);
     measure_watch(cores, pair); // resetting and checking are not in the time
     if (!task_launch_unchecked(l, plan, &r, err))
         return false;

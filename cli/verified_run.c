@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "cli/say.h"
-#include "runtime/commands/replay.h"
+#include "runtime/commands/kept_motion.h"
 
 // A motion in which nothing happens has no plan.
 static void choose_plan(verified_run *r)
@@ -37,6 +37,7 @@ void verified_run_close(verified_run *r)
     duet_replay_destroy(r->replay);
     duet_motion_destroy(r->motion);
     duet_device_pair_destroy(r->pair);
+    text_free(&r->kept);
 }
 
 bool verified_run_command(verified_run *r, duet_error *err)
@@ -57,6 +58,20 @@ bool verified_run_step(verified_run *r, duet_error *err)
         return error_copy(err, &why);
     r->unlike = why;
     return true;
+}
+
+bool verified_run_keep(verified_run *r, duet_error *err)
+{
+    if (r->replay)
+        r->kept_place = replay_get_place(r->replay);
+    return motion_keep(r->motion, &r->kept, err);
+}
+
+bool verified_run_return(verified_run *r, duet_error *err)
+{
+    if (r->replay)
+        replay_set_place(r->replay, &r->kept_place);
+    return motion_return(r->motion, &r->kept, err);
 }
 
 bool verified_run_sum(verified_run *r, duet_error *err)

@@ -4,7 +4,9 @@
 #ifndef CLI_VERIFIED_RUN_H
 #define CLI_VERIFIED_RUN_H
 
+#include "base/text.h"
 #include "cli/inputs.h"
+#include "runtime/commands/replay.h"
 
 typedef struct verified_run {
     const char *selectors; // in the form of --pair; NULL: the default pair
@@ -18,6 +20,8 @@ typedef struct verified_run {
     duet_error unlike;     // the recording's hash differs at its end
     duet_error not_finite; // the state's, when its hash was asked for last
     uint64_t hash;
+    text kept; // the state that was kept last, and where its replay was then
+    replay_place kept_place;
 } verified_run;
 
 // Makes the motion and reads the recording; selectors, plan and path are given.
@@ -27,6 +31,10 @@ void verified_run_close(verified_run *r);
 // The commands that come before the next step, then that step.
 bool verified_run_command(verified_run *r, duet_error *err);
 bool verified_run_step(verified_run *r, duet_error *err);
+
+// Keeps the state, in the place of an earlier one, and goes back to it.
+bool verified_run_keep(verified_run *r, duet_error *err);
+bool verified_run_return(verified_run *r, duet_error *err);
 
 // Fills hash, or not_finite.
 bool verified_run_sum(verified_run *r, duet_error *err);

@@ -7,6 +7,7 @@
 #ifndef CLUSTER_MOVING_H
 #define CLUSTER_MOVING_H
 
+#include "cluster/moving_phases.h"
 #include "cluster/ranks.h"
 #include "runtime/dynamics/pair_list.h"
 
@@ -66,6 +67,7 @@ bool moving_gather(moving *m, duet_motion **whole, duet_error *own);
 // Rank 0 writes all of it into one file, for which it needs memory for all bodies.
 bool moving_save(moving *m, const char *path, duet_error *own);
 moving_counts moving_get_counts(const moving *m);
+const phase_cost *moving_get_costs(const moving *m); // [MOVING_PHASES]
 moving_told moving_get_told(const moving *m);
 
 // A domain of this rank, k of its parts, for who reads it: the motion of its own bodies and of

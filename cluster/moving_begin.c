@@ -342,6 +342,7 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
         m->n_domains = m->parts * (uint32_t)r->n;
         m->balance.model = work_begin();
         ok = fill(m, known, start, own);
+        m->phases.now = PHASE_NONE;
     }
     duet_motion_destroy(known);
     if (ok)
@@ -377,6 +378,11 @@ void moving_end(moving *m)
 moving_counts moving_get_counts(const moving *m)
 {
     return m->counts;
+}
+
+const phase_cost *moving_get_costs(const moving *m)
+{
+    return m->phases.costs;
 }
 
 duet_motion *moving_get_motion(const moving *m, uint32_t k)

@@ -194,11 +194,13 @@ static void list_colours(const moving *m, moving_domain *d, tally *t, duet_error
 static bool close_all(moving *m, tally *t, duet_error *own)
 {
     *t = (tally){0};
+    moving_enter(m, PHASE_CLOSURE);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_close(m->domains[k].motion, m->every, own);
     halo_ask(&m->halo, m, own);
     if (!halo_bring_asked(&m->halo, m, own))
         return false;
+    moving_enter(m, PHASE_LISTS);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         list_colours(m, &m->domains[k], t, own);
     return ranks_agree_and(m->ranks, is_well(own), t, own);
@@ -224,11 +226,14 @@ static bool give_colours(moving *m, duet_error *own)
 bool moving_colour(moving *m, duet_error *own)
 {
     waiting_list waiting = {0};
+    moving_enter(m, PHASE_COLOURS);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         wait_for_colours(m, &m->domains[k], &waiting, own);
+    moving_enter(m, PHASE_WAITING);
     bool ok = waiting_colour(m, &waiting, own);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k)
         take_colours(m, &m->domains[k], waiting.contacts, waiting.n);
+    moving_enter(m, PHASE_CLOSURE);
     ok = ok && give_colours(m, own);
     free(waiting.contacts);
     return ok;

@@ -22,6 +22,7 @@
 #include "cluster/list.h"
 #include "cluster/moving.h"
 #include "cluster/moving_events.h"
+#include "cluster/moving_phases.h"
 #include "cluster/work.h"
 #include "kernels/dynamics/border.h"
 #include "runtime/dynamics/domain_motion.h"
@@ -109,6 +110,7 @@ struct moving {
     moving_balance balance;
     uint64_t n_in_order; // contacts of COLOUR_OVERFLOW, of all ranks
     moving_counts counts;
+    moving_phases phases;
 };
 
 static inline moving_traveller *moving_traveller_at(const moving *m, const item_list *rows,

@@ -275,14 +275,17 @@ static void forget_travellers(moving_domain *d)
 bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own)
 {
     m->counts.sent += bodies->n;
+    moving_enter(m, PHASE_TRAVEL);
     bool ok = moving_migrate(m, bodies, own);
     if (ok && moving_touches(m))
         ok =
             moving_deal(m, contacts, m->contact_bytes, contacts_of, own) && exchange_ghosts(m, own);
+    moving_enter(m, PHASE_REPLACE);
     for (uint32_t k = 0; ok && is_well(own) && k < m->parts; ++k) {
         moving_replace(m, &m->domains[k], own);
         forget_travellers(&m->domains[k]);
     }
+    moving_enter(m, PHASE_SHARE);
     ok = ok && halo_settle(&m->halo, m, own);
     if (ok && is_well(own))
         mark_places(m, own);

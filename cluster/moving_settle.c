@@ -344,6 +344,8 @@ bool moving_settle(moving *m, duet_error *own)
     item_list bodies = {0}, contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
     if (!parted)
         error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+    const moving_phase before = m->phases.now;
+    moving_enter(m, PHASE_LEAVE);
     for (uint32_t k = 0; parted && k < m->parts; ++k) {
         parted[k] = m->domains[k].contacts;
         m->domains[k].contacts = (item_list){0};
@@ -355,6 +357,7 @@ bool moving_settle(moving *m, duet_error *own)
     free(parted);
     free(bodies.items);
     free(contacts.items);
+    moving_enter(m, before);
     return ok;
 }
 

@@ -149,13 +149,17 @@ static void push_sleepers(moving *m, duet_error *own)
 static bool respond(moving *m, duet_error *own)
 {
     tally t;
+    moving_enter(m, PHASE_MANIFOLDS);
     each(m, domain_begin_step, own);
+    moving_enter(m, PHASE_SLEEP);
     if (!update_sleep(m, &t, own) || !moving_colour(m, own))
         return false;
+    moving_enter(m, PHASE_SUBSTEPS);
     each(m, domain_prepare_contacts, own);
     halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     if (!run_substeps(m, own))
         return false;
+    moving_enter(m, PHASE_FINALIZE);
     halo_exchange_late(&m->halo, m, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
@@ -331,6 +335,7 @@ static bool step_together(moving *m, duet_error *own)
 bool moving_step(moving *m, duet_error *own)
 {
     bool ok = m->n_domains == 1 ? step_alone(m, own) : step_together(m, own);
+    moving_enter(m, PHASE_NONE);
     m->counts.step += ok;
     m->n_commands = 0;
     return ok;

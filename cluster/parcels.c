@@ -102,6 +102,7 @@ int parcels_begin_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *r
 {
     int n = 0;
     RANKS_WAITING(r, n = send_and_receive(r, out, in, requests));
+    --r->n_waits; // it only begins
     return n;
 }
 

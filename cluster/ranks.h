@@ -41,6 +41,7 @@ typedef struct ranks {
     bool began_mpi;
     uint64_t *counts; // [2][n] sent to each rank, and received from each
     uint64_t wait_ns; // spent in the calls below
+    uint64_t n_waits; // so many of them
     uint64_t spun_ns; // of this process's processor time, likewise
     uint64_t sent_bytes;
     char host_name[MPI_MAX_PROCESSOR_NAME];
@@ -66,6 +67,7 @@ extern uint64_t (*ranks_now_ns)(void);
         uint64_t begun_ns_ = ranks_now_ns();           \
         uint64_t spun_ns_ = clock_process_ns();        \
         statement;                                     \
+        ++(r)->n_waits;                                \
         (r)->wait_ns += ranks_now_ns() - begun_ns_;    \
         (r)->spun_ns += clock_process_ns() - spun_ns_; \
     } while (0)

@@ -71,7 +71,48 @@ common = {
   GROUP = function(other)
     return { "WG", values = { 1, 64, 128 }, default = by_device(1, other), about = "work-items a group" }
   end,
-  -- Arguments: what of bodies and of the ground a contact's surface comes from.
+  -- Arguments. The bodies, and the contacts, that a step may change.
+  AWAKE = [[
+    const uint *awake     if SLEEP == 1
+    const uint *n_listed  if SLEEP == 1
+    uint all_awake        if SLEEP == 1
+]],
+  AWAKE_CONTACTS = [[
+    const uint *awake_contacts  if SLEEP == 1
+    const uint *n_listed        if SLEEP == 1
+    uint all_awake              if SLEEP == 1
+]],
+  -- Contacts of some colours, in blocks; and what a launch's groups meet by, if they take all colours together.
+  COLOURS = [[
+    const uint4 *spans
+    int4 span
+    uint from_colour
+    uint to_colour
+    uint each
+    float *blocks
+]],
+  TEAMS = [[
+    volatile uint *team  if TEAM == 1
+    uint stage           if TEAM == 1
+]],
+  -- What a tree is asked, in the order of `order`, and the tree.
+  QUERY_ITEMS = [[
+    const float *items
+    uint n
+    uint first_item
+    const uint *order
+    uint in_order
+    const uint2 *filters  if FILTERED == 1
+    uint group            if FILTERED == 1
+    uint mask             if FILTERED == 1
+]],
+  TREE_NODES = [[
+    const float *boxes
+    const float *nodes
+    const uint *levels
+    uint n_levels
+]],
+  -- What of bodies and of the ground a contact's surface comes from.
   SURFACES = [[
     const float *restitutions
     const float *frictions  if FRICTION == 1
@@ -86,6 +127,12 @@ common = {
   can_double = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
+    return true
+  end,
+  -- Whether a tree has this config.
+  can_query = function(p)
+    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
+    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     return true
   end,
   -- Whether a kernel that solves contacts has this config.

@@ -382,8 +382,8 @@ static int cluster_begin_motion(lua_State *L)
     uint32_t n = 0;
     cluster_box *box = check(L);
     const char *path = luaL_checkstring(L, 2);
+    const char *resume = luaL_optstring(L, 4, NULL); // before settings, which come onto the stack
     const duet_setting *settings = scene_read_settings(L, 3, &n);
-    const char *resume = luaL_optstring(L, 4, NULL);
     bool ok = box->calls->begin_motion(box->cluster.object, path, settings, n, resume, &err);
     return class_push_done(L, ok, &err);
 }

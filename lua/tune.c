@@ -131,7 +131,7 @@ static int call_watch(lua_State *L)
     lua_pushvalue(L, 1);
     member_push_table(L,
                       MEMBERS_OF(duet_tune_progress, stage, ms, trials, most_trials, launches,
-                                 seconds, remembered, waiting),
+                                 seconds, remembered, expected_seconds, waiting),
                       progress);
     plan_push(L, progress->plan);
     lua_setfield(L, -2, "plan");

@@ -89,7 +89,7 @@ static bool read_trials(store *s, const char *uid, duet_stored_trial **trials, u
         return false;
     sql q = sql_select(s, trial_columns,
                        " FROM trial WHERE session_id = (SELECT session_id FROM profile "
-                       "WHERE uid = ?) ORDER BY number",
+                       "WHERE uid = ?) AND scope = 65536 ORDER BY number",
                        err);
     sql_text(&q, whole);
     *trials = sql_rows(&q, trial_columns, sizeof **trials, n);

@@ -117,7 +117,7 @@ static const char trials_of_profile[] =
     "(SELECT count(*) FROM sample WHERE trial_id = t.id) AS samples, outliers, "
     "median_ns * 1e-6 AS ms, low_ns * 1e-6 AS low_ms, high_ns * 1e-6 AS high_ms, "
     "a_ns * 1e-6 AS a_ms, b_ns * 1e-6 AS b_ms, terms AS 'terms{' "
-    "FROM trial t WHERE " OF_SESSION("t") " ORDER BY number";
+    "FROM trial t WHERE " OF_SESSION("t") " AND scope = 65536 ORDER BY number";
 
 // In the order of their time, a plan is on the front if it takes less energy than all before it.
 static const char front_of_profile[] =

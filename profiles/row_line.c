@@ -20,10 +20,10 @@ const line_type line_types[LINE_TYPES] = {
      SUBJECT, .order = "workload.key, a.key, b.key, t.kernels, t.level"},
     {"script", "key body", "", .order = "t.key"},
     {"session", "id state a b workload kernels strategy objective options seed script tool_version "
-     "host pid pid_start resumed load timer_ns search_state started_ns heartbeat_ns ended_ns",
+     "host pid pid_start resumed load timer_ns started_ns heartbeat_ns ended_ns",
      SUBJECT, .order = "t.started_ns, t.id"},
     {"trial", "session number timestamp created_ns configuration times invalidity reason launches "
-     "outliers measurements objectives terms samples disturbed", "", "t.session_id, t.number",
+     "outliers measurements objectives terms samples disturbed focus_ns spent_ns scope", "", "t.session_id, t.number",
      "INSERT INTO sample (trial_id, number, total_ns, a_ns, b_ns, transfer_ns, merge_ns, flags, "
      "at_ns, cpu_ns, wait_ns) SELECT ?2, value ->> 0, value ->> 1, value ->> 2, value ->> 3, "
      "value ->> 4, value ->> 5, value ->> 6, value ->> 7, coalesce(value ->> 8, 0), "
@@ -86,8 +86,10 @@ static const line_field line_fields[] = {
     {OR_0("boxes")},
     {OR_0("watched")},
     {OR_0("disturbed")},
+    {OR_0("focus_ns")},
+    {OR_0("spent_ns")},
+    {NULL, "scope", .out = "t.scope", "scope", "coalesce(?1 ->> 'scope', 65536)"},
     {OBJECT_OR("json('{}')", "options")},
-    {OBJECT_OR("NULL", "search_state")},
     {OBJECT_OR("NULL", "terms")},
     // A trial has the form in which auto-tuners hand on what they measured.
     {"trial", "timestamp",

@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- The profile store, schema 7. Needs SQLite 3.37 for STRICT.
+-- The profile store, schema 8. Needs SQLite 3.37 for STRICT.
 -- Times end in _ns and are nanoseconds: INTEGER for moments since 1970 and for
 -- single launches, REAL for statistics. Shares are integers out of 65536.
 
@@ -91,7 +91,6 @@ CREATE TABLE session (
   resumed      INTEGER NOT NULL DEFAULT 0,
   load         REAL,
   timer_ns     REAL,
-  search_state TEXT CHECK (search_state GLOB '{*}'),
   started_ns   INTEGER NOT NULL,
   heartbeat_ns INTEGER NOT NULL,
   ended_ns     INTEGER
@@ -137,6 +136,11 @@ CREATE TABLE trial (
   terms      TEXT CHECK (terms GLOB '{*}'),
   created_ns INTEGER NOT NULL,
   disturbed  INTEGER NOT NULL DEFAULT 0, -- launches that count although other programs disturbed them
+  focus_ns   INTEGER NOT NULL DEFAULT 0, -- the typical launch's in the stages whose kernel was varied
+  spent_ns   INTEGER NOT NULL DEFAULT 0, -- on the trial by the clock, builds included
+  scope      INTEGER NOT NULL            -- how much of the work its launches did; below 0: on the
+             DEFAULT 65536               -- device that A and B are parts of
+             CHECK (abs(scope) BETWEEN 1 AND 65536),
   UNIQUE (session_id, number),
   CHECK (outcome <> 'ok' OR (launches > 0 AND low_ns <= median_ns AND median_ns <= high_ns))
 ) STRICT;
@@ -215,7 +219,7 @@ CREATE VIEW part AS
          w.n, w.n * (t.share / 65536.0) AS own, w.occ_mean AS occupancy, t.a_ns AS time_ns
     FROM workload w JOIN session s ON s.workload_id = w.id
     JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
-   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0
+   WHERE t.outcome = 'ok' AND t.scope = 65536 AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.a_ns > 0
   UNION ALL
   SELECT pair.env_b, w.family, s.kernels, s.host,
          CASE t.mode WHEN 'shared' THEN 'b' ELSE 'part' END,
@@ -223,14 +227,14 @@ CREATE VIEW part AS
          w.n, w.n * (1 - t.share / 65536.0), w.occ_mean, t.b_ns
     FROM workload w JOIN session s ON s.workload_id = w.id
     JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
-   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0
+   WHERE t.outcome = 'ok' AND t.scope = 65536 AND t.disturbed = 0 AND t.share BETWEEN 1 AND 65535 AND t.b_ns > 0
   UNION ALL
   SELECT iif(t.share = 0, pair.env_b, pair.env_a), w.family, s.kernels, s.host, 'alone',
          '', t.level, iif(t.share = 0, t.variant_b, t.variant_a),
          w.n, w.n, w.occ_mean, t.median_ns
     FROM workload w JOIN session s ON s.workload_id = w.id
     JOIN pair ON pair.id = s.pair_id JOIN trial t ON t.session_id = s.id
-   WHERE t.outcome = 'ok' AND t.disturbed = 0 AND t.share IN (0, 65536);
+   WHERE t.outcome = 'ok' AND t.scope = 65536 AND t.disturbed = 0 AND t.share IN (0, 65536);
 
 -- What the parts' times follow, so that sizes never measured can be told:
 -- time = base + each * n + own * w + crowd * w * occupancy, in ns, for a device

@@ -188,19 +188,16 @@ static bool find_unfinished(store *s, const profile_session *session, profile_re
                             duet_error *err)
 {
     char key[PROFILE_SHA];
-    sql q = ask(s,
-                "SELECT id, coalesce(search_state, ''), "
-                "(SELECT count(*) FROM trial WHERE session_id = s.id) FROM session s "
-                "WHERE s.state IN ('running', 'stopped') AND " SAME_QUESTION
-                "ORDER BY started_ns DESC LIMIT 1",
-                session, key, err);
+    sql q =
+        ask(s,
+            "SELECT id FROM session s WHERE s.state IN ('running', 'stopped') AND " SAME_QUESTION
+            "ORDER BY started_ns DESC LIMIT 1",
+            session, key, err);
     if (sql_row(&q)) {
         sql_copy(resumed->id, sizeof resumed->id, sql_get_text(&q, 0));
         resumed->claim = PROFILE_CLAIM_RESUMED;
-        text_add(&resumed->search_state, "%s", sql_get_text(&q, 1));
-        resumed->trials = (uint32_t)sql_get_int(&q, 2);
     }
-    return sql_close(&q) && text_ok(&resumed->search_state, err);
+    return sql_close(&q);
 }
 
 static bool become_owner(store *s, const char *id, duet_error *err)
@@ -252,29 +249,15 @@ bool profile_searched_variant(store *s, const profile_search *search, char varia
     return sql_close(&q);
 }
 
-void profile_resumed_free(profile_resumed *resumed)
+bool profile_session_beat(store *s, const char *id, duet_error *err)
 {
-    text_free(&resumed->search_state);
-}
-
-bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err)
-{
-    if (search_state && !sql_check_object("a search's state", search_state, err))
-        return false;
-    if (!store_begin(s, err))
-        return false;
-    sql q = sql_make(s,
-                     "UPDATE session SET search_state = coalesce(?, search_state), "
-                     "heartbeat_ns = ? WHERE id = ?",
-                     err);
-    sql_text(&q, search_state);
+    sql q = sql_make(s, "UPDATE session SET heartbeat_ns = ? WHERE id = ?", err);
     sql_int(&q, clock_calendar_ns());
     sql_text(&q, id);
-    bool ok = sql_run(&q);
-    if (ok && sqlite3_changes(s->db) == 0)
-        ok = error_set(err, DUET_STATUS_STORE_FAILED,
-                       "%s: has no session %s; it was removed meanwhile", s->path, id);
-    return store_end(s, ok, err);
+    return sql_run(&q) &&
+           (sqlite3_changes(s->db) > 0 ||
+            error_set(err, DUET_STATUS_STORE_FAILED,
+                      "%s: has no session %s; it was removed meanwhile", s->path, id));
 }
 
 bool profile_session_end(store *s, const char *id, const char *how, duet_error *err)

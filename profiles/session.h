@@ -2,7 +2,7 @@
 // A session: one search for one workload on one pair, and how it is resumed.
 //
 // A session that was killed or stopped is taken up again by the next process
-// that wants the same; each trial is written with the search's state in one
+// that wants the same, which goes on from its trials: each is written in one
 // transaction, so a kill loses at most the trial that was being measured.
 #ifndef PROFILES_SESSION_H
 #define PROFILES_SESSION_H
@@ -33,8 +33,6 @@ typedef enum profile_claim {
 typedef struct profile_resumed {
     profile_claim claim;
     char id[PROFILE_ID];
-    text search_state; // JSON; empty if none was saved
-    uint32_t trials;
     int64_t pid; // its owner, where BUSY
 } profile_resumed;
 
@@ -53,10 +51,9 @@ bool profile_session_known(store *s, const profile_session *session, char uid[PR
 // on this machine or on this pair.
 bool profile_session_resume(store *s, const profile_session *session, profile_resumed *resumed,
                             duet_error *err);
-void profile_resumed_free(profile_resumed *resumed);
 
-// Keeps the search's state, a JSON object, unless it is NULL, and shows that the owner lives.
-bool profile_session_save(store *s, const char *id, const char *search_state, duet_error *err);
+// Shows that the owner lives.
+bool profile_session_beat(store *s, const char *id, duet_error *err);
 
 // how: "complete", "stopped" (to be resumed) or "failed". A complete session's
 // trials enter the fits of its devices.

@@ -172,8 +172,8 @@ const char *store_journal(unsigned long file_system);
 
 // The store's version, and what makes each older version the next: upgrades
 // end with NULL, and the first is for a file of the first version. Earlier files are refused.
-#define STORE_FIRST_VERSION 7
-#define STORE_VERSION 7
+#define STORE_FIRST_VERSION 8
+#define STORE_VERSION 8
 #define STORE_APPLICATION 0x44554554 // "DUET"
 
 bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err);

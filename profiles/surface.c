@@ -37,7 +37,8 @@ static const sql_column surface_columns[] = {
     " JOIN workload w ON w.id = s.workload_id JOIN pair ON pair.id = s.pair_id"                   \
     " JOIN env ea ON ea.id = env_a JOIN device da ON da.id = ea.device_id"                        \
     " JOIN env eb ON eb.id = env_b JOIN device db ON db.id = eb.device_id"                        \
-    " WHERE t.outcome = 'ok'" which " AND EXISTS (SELECT 1 FROM sample x WHERE x.trial_id = t.id" \
+    " WHERE t.outcome = 'ok' AND t.scope = 65536" which                                           \
+    " AND EXISTS (SELECT 1 FROM sample x WHERE x.trial_id = t.id"                                 \
     " AND x.flags & 1 = 0 AND " IS_SOUND ")"                                                      \
     " GROUP BY s.pair_id, s.workload_id, s.kernels, s.host, t.level" each                         \
     " HAVING min(t.share) = 0 AND max(t.share) = 65536"                                           \
@@ -95,10 +96,11 @@ static const sql_column joint_columns[] = {
     {0},
 };
 
-#define LAUNCHES(which)                                                                \
-    " FROM sample x JOIN trial t ON t.id = x.trial_id"                                 \
-    " JOIN session s ON s.id = t.session_id"                                           \
-    " WHERE t.outcome = 'ok' AND " IS_SOUND " AND s.pair_id = ? AND s.workload_id = ?" \
+#define LAUNCHES(which)                                         \
+    " FROM sample x JOIN trial t ON t.id = x.trial_id"          \
+    " JOIN session s ON s.id = t.session_id"                    \
+    " WHERE t.outcome = 'ok' AND t.scope = 65536 AND " IS_SOUND \
+    " AND s.pair_id = ? AND s.workload_id = ?"                  \
     " AND s.kernels = ? AND s.host = ? AND t.level = ?" which " ORDER BY 2, 1, 3, 4, 5, 6"
 
 bool profile_surface_launches(store *s, const profile_surface *surface, profile_launch **launches,

@@ -26,4 +26,5 @@ SELECT json_object(
   JOIN pair ON pair.id = s.pair_id
   JOIN env ea ON ea.id = env_a JOIN device da ON da.id = ea.device_id
   JOIN env eb ON eb.id = env_b JOIN device db ON db.id = eb.device_id
+ WHERE t.scope = 65536
  ORDER BY s.started_ns, s.id, t.number

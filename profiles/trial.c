@@ -16,6 +16,9 @@ static const sql_column trial_columns[] = {
     SQL_COLUMN("outliers", profile_trial, outliers),
     SQL_COLUMN("disturbed", profile_trial, disturbed),
     SQL_COLUMN("terms", profile_trial, terms),
+    SQL_COLUMN("focus_ns", profile_trial, focus_ns),
+    SQL_COLUMN("spent_ns", profile_trial, spent_ns),
+    SQL_COLUMN("scope", profile_trial, scope),
     {0},
 };
 
@@ -81,17 +84,25 @@ static bool insert_samples(store *s, int64_t trial_id, const profile_trial *tria
     return sql_close(&q);
 }
 
-bool profile_trial_add(store *s, const char *session, const profile_trial *trial,
-                       const char *search_state, int64_t *number, duet_error *err)
+bool profile_trial_drop(store *s, const char *session, int64_t from, duet_error *err)
+{
+    sql q = sql_make(s, "DELETE FROM trial WHERE session_id = ? AND number >= ?", err);
+    sql_text(&q, session);
+    sql_int(&q, from);
+    return sql_run(&q);
+}
+
+bool profile_trial_add(store *s, const char *session, int64_t number, const profile_trial *trial,
+                       duet_error *err)
 {
     if (trial->terms && !sql_check_object("a trial's terms", trial->terms, err))
         return false;
     if (!store_begin(s, err))
         return false;
-    bool ok = profile_session_save(s, session, search_state, err);
-    ok = ok && sql_find(s, "SELECT count(*) FROM trial WHERE session_id = ?", session, number, err);
-    ok = ok && insert_trial(s, session, *number, trial, err);
-    ok = ok && insert_samples(s, sqlite3_last_insert_rowid(s->db), trial, err);
+    bool ok = profile_session_beat(s, session, err) &&
+              profile_trial_drop(s, session, number, err) &&
+              insert_trial(s, session, number, trial, err) &&
+              insert_samples(s, sqlite3_last_insert_rowid(s->db), trial, err);
     return store_end(s, ok, err);
 }
 
@@ -101,7 +112,8 @@ bool profile_trial_find(store *s, const char *session, const profile_plan *plan,
     sql q =
         sql_make(s,
                  "SELECT coalesce(max(number), -1) FROM trial WHERE session_id = ? AND "
-                 "share = ? AND mode = ? AND variant_a = ? AND variant_b = ? AND outcome = 'ok'",
+                 "share = ? AND mode = ? AND variant_a = ? AND variant_b = ? AND outcome = 'ok' "
+                 "AND scope = 65536",
                  err);
     sql_text(&q, session);
     sql_int(&q, plan->share);

@@ -49,15 +49,22 @@ typedef struct profile_trial {
     double high_ns;
     double a_ns;       // median of A's part; 0: A had none
     double b_ns;       // and of B's
+    uint64_t focus_ns; // a typical launch's in the stages whose kernel was varied; else 0
+    uint64_t spent_ns; // on all of it by the clock, builds included
+    int64_t scope; // how much of the work it did, of PROFILE_SHARE_ONE, which is usual; below 0:
+                   // on the device that A and B are parts of, with B's variant
     const char *terms; // a JSON object: T_CPU1, T_GPU1, T_BUS1 ... (equations 4 to 6); NULL: none
     const profile_sample *samples;
     uint32_t n_samples;
 } profile_trial;
 
-// Adds a trial, its samples and, unless NULL, the search's state: all or
-// nothing, and the owner is seen to live. `number` counts from 0 in its session.
-bool profile_trial_add(store *s, const char *session, const profile_trial *trial,
-                       const char *search_state, int64_t *number, duet_error *err);
+// Adds the session's trial of that number, which counts from 0, and its samples: all or nothing,
+// and the owner is seen to live. Stale trials from that number on go.
+bool profile_trial_add(store *s, const char *session, int64_t number, const profile_trial *trial,
+                       duet_error *err);
+
+// Removes the session's trials from that number on.
+bool profile_trial_drop(store *s, const char *session, int64_t from, duet_error *err);
 
 // The number of the session's last trial of that plan that ran; -1: none did.
 bool profile_trial_find(store *s, const char *session, const profile_plan *plan, int64_t *number,

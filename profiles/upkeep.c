@@ -139,10 +139,8 @@ static bool check_keys(store *s, const char *table, text *report, uint32_t *prob
 
 static bool check_objects(store *s, text *report, uint32_t *problems, duet_error *err)
 {
-    return report_rows(s,
-                       "SELECT id FROM session WHERE " NO_OBJECT("options") " OR " NO_OBJECT(
-                           "search_state"),
-                       "a session's options or state are no JSON object:", report, problems, err) &&
+    return report_rows(s, "SELECT id FROM session WHERE " NO_OBJECT("options"),
+                       "a session's options are no JSON object:", report, problems, err) &&
            report_rows(s, "SELECT session_id, number FROM trial WHERE " NO_OBJECT("terms"),
                        "a trial's terms are no JSON object:", report, problems, err) &&
            report_rows(s, "SELECT uid FROM profile WHERE " NO_OBJECT("terms"),

@@ -8,8 +8,9 @@
 
 DUET_C_BEGIN
 
-// Records the motion's commands and steps from now on, and drops an earlier recording. A load,
-// and a step that fails, end the recording.
+// Records the motion's commands and steps from now on, with the state's hash after each 32nd step
+// (of more than 65 536 bodies less often), and drops an earlier recording. A load, and a step that
+// fails, end the recording.
 DUET_API bool duet_motion_record(duet_motion *motion, duet_error *err);
 
 // Writes what was recorded so far, and the state's hash; the recording goes on. BAD_ARGUMENT
@@ -35,8 +36,9 @@ DUET_API duet_replay_info duet_replay_get_info(const duet_replay *replay);
 // last step it also gives the commands recorded after it, and compares the state's hash.
 //
 // The motion must be as the recorded one was when its recording began: BAD_INPUT if its
-// places, step or hash differ, or if it refuses a command. WRONG_RESULT if the last
-// hash differs. BAD_ARGUMENT after the last step.
+// places, step or hash differ, or if it refuses a command. WRONG_RESULT at the first recorded
+// hash that differs, with a line that says between which steps the states parted. BAD_ARGUMENT
+// after the last step.
 DUET_API bool duet_replay_advance(duet_replay *replay, duet_motion *motion,
                                   duet_motion_result *result, duet_error *err);
 

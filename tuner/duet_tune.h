@@ -17,7 +17,8 @@ typedef struct duet_tune_progress {
                           // not known
     uint32_t launches;
     double seconds;
-    bool remembered;     // from an interrupted session, not measured again
+    bool remembered;         // from an interrupted session, not measured again
+    double expected_seconds; // that the tuning takes in all, about; 0: not known yet
     const char *waiting; // why nothing is measured now, as "other programs have 1.4 of 2 cores";
                          // NULL: a trial was measured
 } duet_tune_progress;
@@ -47,7 +48,7 @@ typedef struct duet_tune_def {
     duet_keep keep;
     bool ordered;              // the scene's objects are in about duet_world_order's order
     bool fresh;                // measures again what is finished
-    const char *strategy;      // "balance"; duet_strategy lists them
+    const char *strategy;      // "balance"; duet_strategy_get_name lists them
     const char *strategy_lua;  // text of a script that returns a function, if strategy is "lua"
     const char *strategy_name; // name of that text in messages, as its file; NULL: "strategy"
     const char *objective;     // what is made small: "time", or "energy" by the counters that the

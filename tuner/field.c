@@ -36,8 +36,7 @@ void field_race(tuning *t, field *f, const race_options *options)
     uint32_t rival;
     f->race = race_begin(f->n, options);
     while (tuning_goes_on(t) && race_next(&f->race, &rival)) {
-        trial got = f->machines ? tuning_run_unlogged(t, &f->machines[rival], &f->plans[rival])
-                                : tuning_run_trial(t, &f->plans[rival]);
+        trial got = tuning_run_on(t, rival == f->n - 1 ? f->whole : NULL, &f->plans[rival]);
         uint64_t ns = t->focus.stages ? got.focus_ns
                       : f->of_a       ? got.sample.a_ns
                                       : got.sample.total_ns;

@@ -13,7 +13,7 @@ typedef struct field {
     uint32_t n;
     bool of_a;       // A's own time counts, for its variant is chosen
     double hopeless; // a plan that takes so many times the leader's time runs no more; 0: each does
-    const measure_machine *machines; // for each plan, outside the log; NULL: the tuning's, in it
+    const measure_machine *whole; // on which the last plan runs; NULL: it runs as the others
     race race;
 } field;
 

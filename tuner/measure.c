@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "tuner/stats.h"
+#include "tuner/terms.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -129,6 +130,17 @@ static uint32_t list_counted(const measurement *m, double *totals, uint32_t *sam
     return n;
 }
 
+// The first of the counted samples with the greatest total up to the median.
+static uint32_t find_typical(const profile_sample *samples, uint32_t n, double median_ns)
+{
+    uint32_t typical = n;
+    for (uint32_t i = 0; i < n; ++i)
+        if (counts(&samples[i]) && (double)samples[i].total_ns <= median_ns &&
+            (typical == n || samples[i].total_ns > samples[typical].total_ns))
+            typical = i;
+    return typical;
+}
+
 // Statistics over all counted launches; outliers are marked and stay in.
 static void summarize(measurement *m, const measure_launch *launches)
 {
@@ -142,15 +154,10 @@ static void summarize(measurement *m, const measure_launch *launches)
     stats_interval in = stats_median_interval(totals, n, 0.95);
     m->row.low_ns = in.low;
     m->row.high_ns = in.high;
-    uint32_t typical = 0;
-    for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t i = 0; i < n; ++i)
         if (marks[i])
             m->samples[samples[i]].flags |= PROFILE_SAMPLE_OUTLIER;
-        bool nearer = totals[i] <= m->row.median_ns && totals[i] > totals[typical];
-        if (nearer || totals[typical] > m->row.median_ns)
-            typical = i;
-    }
-    m->typical = samples[typical];
+    m->typical = find_typical(m->samples, m->n_samples, m->row.median_ns);
     m->launch = launches[m->typical];
     take_least_stages(&m->launch, launches, m->n_samples);
 }
@@ -235,7 +242,7 @@ static bool measure_energy(measurement *m, const measure_machine *machine, const
 
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way)
 {
-    assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS && (way.staged || !way.warm));
+    assert(way.repeats > 0 && way.repeats <= MEASURE_REPEATS);
     measurement m = {.trial = {.plan = *plan, .sample.share = plan->share}};
     measure_launch launches[MEASURE_LAUNCHES];
     duet_error *err = &m.failure;
@@ -261,4 +268,29 @@ measurement measure_plan(const measure_machine *machine, const duet_plan *plan, 
         m.trial.terms = m.launch.terms;
     }
     return m;
+}
+
+trial measure_recall(const duet_plan *plan, const profile_trial *row)
+{
+    trial t = {.plan = *plan,
+               .scope = (int32_t)row->scope,
+               .usable = strcmp(row->outcome, "ok") == 0,
+               .sample.share = plan->share,
+               .focus_ns = row->focus_ns,
+               .launches = row->n_samples,
+               .disturbed = row->disturbed,
+               .spent_ns = row->spent_ns};
+    for (uint32_t i = 0; i < row->n_samples; ++i) {
+        const profile_sample *sample = &row->samples[i];
+        t.watched += !(sample->flags & PROFILE_SAMPLE_WARM_UP) && sample->cpu_ns > 0;
+        t.disturbed += (sample->flags & PROFILE_SAMPLE_DISTURBED) != 0;
+    }
+    uint32_t typical = find_typical(row->samples, row->n_samples, row->median_ns);
+    if (t.usable && typical < row->n_samples) {
+        t.sample.total_ns = (uint64_t)row->samples[typical].total_ns;
+        t.sample.a_ns = (uint64_t)row->samples[typical].a_ns;
+        t.sample.b_ns = (uint64_t)row->samples[typical].b_ns;
+        terms_from_json(row->terms, &t.terms);
+    }
+    return t;
 }

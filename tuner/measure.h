@@ -46,6 +46,10 @@ typedef struct measure_machine {
     // are searched.
     bool (*read_kernels)(void *context, const duet_plan *plan, int device, kernel_spaces *to,
                          duet_error *err);
+    // From now on launches do that part of each device's work, of DUET_SHARE_ONE, the first of it.
+    // NULL: they do all.
+    void (*set_part)(void *context, uint32_t part);
+    double launch_ms; // that all of the work takes, about; 0: not known, and no part is done
 } measure_machine;
 
 typedef struct measurement {
@@ -62,7 +66,7 @@ typedef struct measurement {
 } measurement;
 
 // A measurement that is not staged stages only the warm-up launch, so that the launches that count
-// are as applications have them; its plan cannot be warm.
+// are as applications have them; if its plan is warm, nothing is known of the stages.
 typedef struct measure_way {
     uint32_t repeats;    // launches that count, at most MEASURE_REPEATS
     bool warm;           // the plan ran before, and no launch warms it up
@@ -76,6 +80,9 @@ typedef struct measure_way {
 // that does not build, run or find the right pairs is a measurement whose outcome says so. If
 // disturbed launches are repeated, there are at most twice as many and four more.
 measurement measure_plan(const measure_machine *machine, const duet_plan *plan, measure_way way);
+
+// Makes a trial of the plan again from what the store holds of it.
+trial measure_recall(const duet_plan *plan, const profile_trial *row);
 
 int64_t measure_to_ns(double ms);
 

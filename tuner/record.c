@@ -129,12 +129,10 @@ static bool take_up(record *r, const profile_session *session, trial_log *state,
                        "%s: process %" PRId64 " is tuning this workload; wait for it or stop it",
                        store_path(r->store), found.pid);
     *resumed = found.claim == PROFILE_CLAIM_RESUMED;
-    if (*resumed)
-        memcpy(r->session, found.id, sizeof r->session);
-    if (*resumed && found.search_state.length > 0)
-        ok = trial_log_from_json(state, text_chars(&found.search_state), err);
-    profile_resumed_free(&found);
-    return ok;
+    if (!*resumed)
+        return ok;
+    memcpy(r->session, found.id, sizeof r->session);
+    return record_recall(r, state, err);
 }
 
 bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *resumed,
@@ -156,29 +154,53 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
 
 // ---------------------------------------------------------------- trial
 
-static bool keep_trial(void *context, const duet_plan *plan, const measurement *m,
-                       const trial_log *state, duet_error *err)
+static bool keep_trial(void *context, uint32_t number, const measurement *m, duet_error *err)
 {
-    record *r = context;
-    text json = {0}, terms = {0};
-    const bool ran = m->trial.usable;
-    int64_t number;
-    trial_log_to_json(state, &json);
-    terms_to_json(&m->launch.terms, &terms);
+    const record *r = context;
+    const trial *of = &m->trial;
+    text terms = {0};
+    terms_to_json(&of->terms, &terms);
     profile_trial row = m->row;
-    row.plan = profile_subject_write_plan(plan, r->request.workload->level);
-    row.reason = ran ? NULL : m->failure.text;
-    row.disturbed = m->trial.disturbed - m->repeated;
-    row.a_ns = (double)m->trial.sample.a_ns;
-    row.b_ns = (double)m->trial.sample.b_ns;
-    row.terms = ran ? text_chars(&terms) : NULL;
+    row.plan = profile_subject_write_plan(&of->plan, r->request.workload->level);
+    row.reason = of->usable ? NULL : m->failure.text;
+    row.disturbed = of->disturbed - m->repeated;
+    row.a_ns = (double)of->sample.a_ns;
+    row.b_ns = (double)of->sample.b_ns;
+    row.focus_ns = of->focus_ns;
+    row.spent_ns = of->spent_ns;
+    row.scope = of->scope;
+    row.terms = of->usable ? text_chars(&terms) : NULL;
     row.samples = m->samples;
     row.n_samples = m->n_samples;
-    bool ok = text_ok(&json, err) && text_ok(&terms, err) &&
-              profile_trial_add(r->store, r->session, &row, text_chars(&json), &number, err);
-    text_free(&json);
+    bool ok = text_ok(&terms, err) && profile_trial_add(r->store, r->session, number, &row, err);
     text_free(&terms);
     return ok;
+}
+
+typedef struct recalling {
+    trial_log *state;
+    duet_error *err;
+    bool ok;
+} recalling;
+
+static bool recall_trial(void *context, int64_t number, const profile_trial *row)
+{
+    recalling *to = context;
+    duet_plan plan;
+    trial t;
+    (void)number;
+    to->ok = profile_subject_read_plan(&row->plan, &plan, to->err);
+    if (to->ok) {
+        t = measure_recall(&plan, row);
+        to->ok = trial_log_add(to->state, &t, to->err);
+    }
+    return to->ok;
+}
+
+bool record_recall(const record *r, trial_log *state, duet_error *err)
+{
+    recalling to = {state, err, true};
+    return profile_trial_each(r->store, r->session, recall_trial, &to, err) && to.ok;
 }
 
 tune_recorder record_recorder(record *r)
@@ -247,7 +269,7 @@ static bool put_profile(record *r, const duet_tune_def *def, duet_tune_outcome *
     row.best_share = o->best.share;
     row.best_mode = duet_mode_name(o->best.mode);
     row.terms = text_chars(&terms);
-    bool ok = text_ok(&terms, err) &&
+    bool ok = text_ok(&terms, err) && profile_trial_drop(r->store, r->session, o->trials, err) &&
               profile_trial_find(r->store, r->session, &row.plan, &row.trial_number, err) &&
               profile_put(r->store, &row, *o->unused ? o->unused : unused_because(def, because),
                           "replaced by a later tuning", &placed, err);
@@ -268,9 +290,7 @@ bool record_tell(const profile_found *found, duet_tune_outcome *o, duet_error *e
     memcpy(o->verdict, found->verdict, sizeof o->verdict);
     memcpy(o->uid, found->uid, sizeof found->uid);
     memcpy(o->unused, found->unused, sizeof o->unused);
-    cJSON *terms = cJSON_ParseWithOpts(found->terms, NULL, true);
-    terms_from_json(terms, &o->terms);
-    cJSON_Delete(terms);
+    terms_from_json(found->terms, &o->terms);
     profile_plan best = found->plan;
     best.share = found->best_share;
     memcpy(best.mode, found->best_mode, sizeof best.mode);

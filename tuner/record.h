@@ -42,6 +42,9 @@ bool record_begin(record *r, const duet_tune_def *def, trial_log *state, bool *r
 
 tune_recorder record_recorder(record *r);
 
+// Fills the log with the trials that the session has.
+bool record_recall(const record *r, trial_log *state, duet_error *err);
+
 // how: "complete", "stopped" or "failed". A complete one leaves its profile, and the
 // outcome says where.
 bool record_end(record *r, const char *how, const duet_tune_def *def, duet_tune_outcome *outcome,

@@ -5,6 +5,14 @@
 
 #include "tuner/tuning.h"
 
+// Chooses how much of the work launches do, if all of it takes long and the machine can do a part:
+// so little that twice as much is hardly quicker for each item. Rates are compared from then on.
+void parts_choose(tuning *t);
+
+// Measures the plans that were chosen on all of the work, once or a few times: the outcome has
+// these times. If they contradict the verdict, it is reached once more, on all of the work.
+void parts_finish(tuning *t);
+
 // Chooses each device's variant, in races of its own: leaves in the tuning's plan the fastest
 // variants, or the first ones if there is nothing to choose from.
 void variants_choose(tuning *t);

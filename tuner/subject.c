@@ -95,5 +95,6 @@ measure_machine subject_machine(subject *s, uint64_t hash)
     machine.context = s;
     machine.look_at_others = look_at_others;
     machine.hash = hash;
+    machine.launch_ms = s->launch_ms;
     return machine;
 }

@@ -20,6 +20,7 @@ typedef struct subject {
     duet_plan plan;    // its variants are the defaults that must work
     uint64_t units;    // that a share divides: objects, items
     bool one_device;   // the two devices have nothing to share
+    double launch_ms;  // that all of the work takes, about; 0: it is not known
 } subject;
 
 // The result that every launch must find, and how right that is.

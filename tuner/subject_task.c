@@ -5,10 +5,20 @@
 
 #include "runtime/task/task_launch.h"
 
+#include <stdio.h>
+#include <string.h>
+
 static bool open(subject *s, duet_error *err)
 {
-    s->units = s->def->task->items;
-    s->state = task_launcher_open(s->def->task, s->pair, err);
+    task *t = s->def->task;
+    const char *device = duet_device_pair_get_info(s->pair, 1)->name;
+    bool checked = strcmp(t->checked_on, device) == 0; // with parts of this device
+    s->units = t->items;
+    s->state = checked ? task_launcher_open_unchecked(t, s->pair, err)
+                       : task_launcher_open(t, s->pair, err);
+    s->launch_ms = s->state && !checked ? task_launcher_estimate_ms(s->state) : 0;
+    if (s->state)
+        snprintf(t->checked_on, sizeof t->checked_on, "%s", device);
     return s->state;
 }
 
@@ -31,7 +41,7 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
     subject *s = context;
     task_result r;
     (void)staged;
-    task_launch_reset(s->state);
+    task_launch_reset(s->state, plan);
     measure_watch(s->cores, s->pair); // resetting and checking are not in the time
     if (!task_launch_unchecked(s->state, plan, &r, err))
         return false;
@@ -41,6 +51,11 @@ static bool launch(void *context, const duet_plan *plan, bool staged, measure_la
                             .use = core_watch_stop(s->cores)};
     measure_take_stages(out, r.stages, r.n_stages);
     return task_launch_check(s->state, err);
+}
+
+static void set_part(void *context, uint32_t part)
+{
+    task_launcher_set_part(((subject *)context)->state, part);
 }
 
 static bool train(void *context, const duet_plan *plan, uint32_t n, duet_error *err)
@@ -63,5 +78,8 @@ const subject_kind subject_task = {
     .open = open,
     .close = close,
     .describe = describe,
-    .machine = {.launch = launch, .train = train, .read_kernels = read_kernels},
+    .machine = {.launch = launch,
+                .train = train,
+                .read_kernels = read_kernels,
+                .set_part = set_part},
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tuner/terms.h"
 
+#include <cjson/cJSON.h>
 #include <stddef.h>
 
 #define AT(term) offsetof(duet_tune_terms, term)
@@ -27,11 +28,13 @@ void terms_to_json(const duet_tune_terms *terms, text *json)
     text_add(json, "}");
 }
 
-void terms_from_json(const cJSON *json, duet_tune_terms *terms)
+void terms_from_json(const char *json, duet_tune_terms *terms)
 {
+    cJSON *row = cJSON_Parse(json);
     *terms = (duet_tune_terms){0};
     for (const terms_field *f = terms_fields; f->name; ++f) {
-        const cJSON *number = cJSON_GetObjectItemCaseSensitive(json, f->name);
+        const cJSON *number = cJSON_GetObjectItemCaseSensitive(row, f->name);
         *(double *)((char *)terms + f->at) = cJSON_IsNumber(number) ? number->valuedouble : 0;
     }
+    cJSON_Delete(row);
 }

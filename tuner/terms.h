@@ -6,8 +6,6 @@
 #include "base/text.h"
 #include "tuner/duet_tune.h"
 
-#include <cjson/cJSON.h>
-
 // The terms by the names that the paper has for them; the last is {NULL}.
 typedef struct terms_field {
     const char *name;
@@ -18,8 +16,8 @@ extern const terms_field terms_fields[];
 double terms_value(const terms_field *field, const duet_tune_terms *terms);
 
 // {"T_1":..,"T_CPU1":..,...,"imbalance":..,"joules":..}, milliseconds. Missing terms come back as
-// 0, and NULL as all 0.
+// 0, and what is no object as all 0.
 void terms_to_json(const duet_tune_terms *terms, text *json);
-void terms_from_json(const cJSON *json, duet_tune_terms *terms);
+void terms_from_json(const char *json, duet_tune_terms *terms);
 
 #endif

@@ -31,24 +31,43 @@ uint32_t trial_budget_least(const duet_tune_def *def)
            LEAST_RACED * most_rivals(def) + LEAST_RACED * 2;
 }
 
-uint32_t trial_budget_most(const tune_problem *problem, uint32_t kernels)
+static uint32_t rounds(race_options of, bool likely)
+{
+    return likely ? of.least_rounds : of.most_rounds;
+}
+
+// The trials of races that take as few rounds as they may, or as many.
+static uint32_t count_trials(const tune_problem *problem, uint32_t kernels, bool likely)
 {
     const duet_tune_def *def = problem->def;
     uint32_t variants = tune_count_variants(def), modes = tune_count_modes(def);
+    uint32_t usual = rounds(race_default_options(), likely);
     const strategy *searches = strategy_find(def->strategy);
     uint32_t searched = searches ? searches->launches : 0;
-    uint32_t most = kernels +
-                    (variants > 1 ? 2 * variants * trial_budget_quick_race.most_rounds + 2 : 0) +
-                    modes * searched + most_rivals(def) * race_default_options().most_rounds +
-                    (problem->fair ? 5 : 3) * trial_budget_last_race.most_rounds +
-                    (problem->whole.open ? 2 * race_default_options().most_rounds : 0);
-    return def->budget_trials > 0 && def->budget_trials < most ? def->budget_trials : most;
+    uint32_t n = kernels +
+                 (variants > 1 ? 2 * variants * rounds(trial_budget_quick_race, likely) + 2 : 0) +
+                 modes * searched + most_rivals(def) * usual +
+                 (problem->fair ? 5 : 3) * rounds(trial_budget_last_race, likely) +
+                 (problem->whole.open ? 2 * usual : 0);
+    return def->budget_trials > 0 && def->budget_trials < n ? def->budget_trials : n;
 }
 
-// After all races of what is tuned: one with the undivided device, or an only device's steps.
+uint32_t trial_budget_most(const tune_problem *problem, uint32_t kernels)
+{
+    return count_trials(problem, kernels, false);
+}
+
+uint32_t trial_budget_likely(const tune_problem *problem, uint32_t kernels)
+{
+    return count_trials(problem, kernels, true);
+}
+
+// After all races of what is tuned: one with the undivided device, or an only device's steps, and
+// all of the work by two plans.
 static uint32_t least_at_the_end(const tune_problem *problem)
 {
-    return problem->whole.open ? LEAST_RACED * 2 : problem->one_device ? LEAST_RACED : 0;
+    uint32_t all = problem->machine.launch_ms > 0 ? 2 : 0;
+    return all + (problem->whole.open ? LEAST_RACED * 2 : problem->one_device ? LEAST_RACED : 0);
 }
 
 double trial_budget_end(const tune_problem *problem, double stage_end)

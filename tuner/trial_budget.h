@@ -28,6 +28,9 @@ uint32_t trial_budget_least(const duet_tune_def *def);
 // Returns the most trials of variants, search and verdict, beside `kernels` of the kernels' search.
 uint32_t trial_budget_most(const tune_problem *problem, uint32_t kernels);
 
+// Returns how many these are if races end as soon as they may.
+uint32_t trial_budget_likely(const tune_problem *problem, uint32_t kernels);
+
 // Trials at which the stage with that end must end, of a budget in trials.
 double trial_budget_end(const tune_problem *problem, double stage_end);
 

@@ -40,7 +40,8 @@ static double median_ms(const trial_log *log, const duet_plan *plan)
 {
     double ms[STATS_MOST];
     uint32_t n = 0;
-    for (const trial *at = NULL; n < STATS_MOST && (at = trial_log_of(log, plan, at)); ++n)
+    for (const trial *at = NULL;
+         n < STATS_MOST && (at = trial_log_of(log, plan, DUET_SHARE_ONE, at)); ++n)
         ms[n] = (double)at->sample.total_ns * 1e-6;
     return n ? stats_median(ms, n) : NAN;
 }
@@ -70,13 +71,16 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
                 .plan = problem->plan,
                 .repeats = problem->def->repeats,
                 .scatter = INFINITY,
+                .part = DUET_SHARE_ONE,
                 .search_trials = problem->def->search ? UINT32_MAX : 0};
     state->played = 0;
     *outcome = nothing_known(&t);
+    parts_choose(&t);
     variants_choose(&t);
     plan_search_run(&t);
     verdict_reach(&t);
     verdict_race_whole(&t);
+    parts_finish(&t);
     bool ok = t.why.status == DUET_STATUS_OK;
     if (ok && problem->meter)
         separate_energy(&t, outcome);
@@ -88,7 +92,7 @@ bool tune_run(const tune_problem *problem, trial_log *state, duet_tune_outcome *
     }
     outcome->watched = t.watched;
     outcome->disturbed = t.disturbed;
-    outcome->trials = state->played + t.unlogged;
+    outcome->trials = state->played;
     outcome->launches = t.launches;
     outcome->seconds = (double)(t.spent_ns + t.waited_ns) * 1e-9;
     return ok;

@@ -10,9 +10,9 @@
 
 typedef struct tune_recorder {
     void *context;
-    // Keeps a trial with the state after it. NULL: nothing is kept.
-    bool (*trial)(void *context, const duet_plan *plan, const measurement *m,
-                  const trial_log *state, duet_error *err);
+    // Keeps the trial of that number; what was kept from that number on is stale. NULL: nothing is
+    // kept.
+    bool (*trial)(void *context, uint32_t number, const measurement *m, duet_error *err);
 } tune_recorder;
 
 // The one device that both devices are parts of.

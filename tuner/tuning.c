@@ -23,8 +23,8 @@ bool tuning_goes_on(const tuning *t)
     const duet_tune_def *def = t->problem->def;
     double spent_s = (double)(t->spent_ns + t->waited_ns) * 1e-9;
     bool in_time = def->budget_seconds <= 0 || spent_s < t->stage_end * def->budget_seconds;
-    bool in_trials = def->budget_trials == 0 ||
-                     t->state->played + t->unlogged < trial_budget_end(t->problem, t->stage_end);
+    bool in_trials =
+        def->budget_trials == 0 || t->state->played < trial_budget_end(t->problem, t->stage_end);
     return t->why.status == DUET_STATUS_OK && in_time && in_trials;
 }
 
@@ -50,10 +50,9 @@ static uint32_t limit_launches(const tuning *t, uint32_t n)
 
 // Checks after the first trial, whose kernels were built in it, whether the time can suffice: each
 // trial takes at least half as long as one device alone.
-static bool check_budget(tuning *t, const trial *first)
+static bool check_budget(tuning *t, const trial *first, double launch_s)
 {
     const duet_tune_def *def = t->problem->def;
-    double launch_s = (double)first->sample.total_ns * 1e-9;
     double least_s = (double)t->spent_ns * 1e-9 + 0.5 * launch_s *
                                                       (1 + limit_launches(t, VERDICT_REPEATS)) *
                                                       trial_budget_least(def);
@@ -61,7 +60,8 @@ static bool check_budget(tuning *t, const trial *first)
            error_set(&t->why, DUET_STATUS_BAD_ARGUMENT,
                      "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
                      "least %.3g s",
-                     def->budget_seconds, launch_s, ceil(10 * least_s) / 10);
+                     def->budget_seconds, (double)first->sample.total_ns * 1e-9,
+                     ceil(10 * least_s) / 10);
 }
 
 bool tuning_stop(tuning *t)
@@ -78,11 +78,23 @@ static uint32_t most_trials(const tuning *t)
     return known ? trial_budget_most(t->problem, t->search_trials) : t->problem->def->budget_trials;
 }
 
+// About: what was spent, the trials to come at the mean of those so far, and at the end all of the
+// work by two plans. 0 until it is known what the kernels' search takes.
+static double expect_seconds(const tuning *t)
+{
+    uint32_t trials = trial_budget_likely(t->problem, t->search_trials), played = t->state->played;
+    double spent_s = (double)t->spent_ns * 1e-9;
+    double all_s = t->part < DUET_SHARE_ONE ? 4e-3 * t->problem->machine.launch_ms : 0;
+    if (t->search_trials == UINT32_MAX || played == 0)
+        return 0;
+    return spent_s + (trials > played ? spent_s / played * (trials - played) : 0) + all_s;
+}
+
 static duet_tune_progress progress_of(const tuning *t, const duet_plan *plan)
 {
     return (duet_tune_progress){.stage = t->stage,
                                 .plan = plan,
-                                .trials = t->state->played + t->unlogged,
+                                .trials = t->state->played,
                                 .launches = t->launches,
                                 .seconds = (double)t->spent_ns * 1e-9};
 }
@@ -98,6 +110,7 @@ static bool tell_trial(tuning *t, const trial *got, bool remembered)
     duet_tune_progress progress = progress_of(t, &got->plan);
     progress.ms = (double)got->sample.total_ns * 1e-6;
     progress.most_trials = most_trials(t);
+    progress.expected_seconds = expect_seconds(t);
     progress.remembered = remembered;
     return tell_watcher(t, &progress);
 }
@@ -177,7 +190,7 @@ static bool measure_in_quiet(tuning *t, const measure_machine *machine, const du
                              measure_way way, measurement *m)
 {
     uint32_t tries = 0, usual = t->problem->def->repeats;
-    way.quiet = t->problem->def->wait_seconds > 0;
+    way.quiet = t->problem->def->wait_seconds > 0 && !t->at_once;
     way.repeats = limit_launches(t, way.repeats);
     *m = measure_plan(machine, plan, way);
     while (m->failure.status == DUET_STATUS_OK && m->counted < way.repeats) {
@@ -215,33 +228,44 @@ static bool check_measured(tuning *t, const duet_plan *plan, const measurement *
     return true;
 }
 
-// Its programs are built, for it ran in this process.
+// Its programs are built, for it ran in this process, and the stages of a first launch are not
+// needed.
 static bool is_warm(const tuning *t, const duet_plan *plan)
 {
-    bool warm = false;
-    for (uint32_t i = t->first; t->focus.stages && i < t->state->played && !warm; ++i)
+    bool warm = false, counts = t->focus.stages || t->at_once || t->part < DUET_SHARE_ONE;
+    for (uint32_t i = t->first; counts && i < t->state->played && !warm; ++i)
         warm = trial_log_same_plan(&t->state->entries[i].plan, plan);
     return warm;
 }
 
-static bool measure_live(tuning *t, const duet_plan *plan, trial *got)
+static int32_t scope_of(const tuning *t, const measure_machine *whole)
+{
+    return whole ? -(int32_t)t->part : (int32_t)t->part;
+}
+
+static bool measure_live(tuning *t, const measure_machine *whole, const duet_plan *plan, trial *got)
 {
     const tune_recorder *recorder = &t->problem->recorder;
     const measure_way way = {.repeats = t->repeats,
                              .warm = is_warm(t, plan),
                              .staged = t->focus.stages,
                              .meter = t->problem->meter};
+    const measure_machine *machine = whole ? whole : &t->problem->machine;
     measurement m;
-    if (!budget_check(&t->why) || !measure_in_quiet(t, &t->problem->machine, plan, way, &m))
+    if (machine->set_part)
+        machine->set_part(machine->context, t->part);
+    if (!budget_check(&t->why) || !measure_in_quiet(t, machine, plan, way, &m))
         return false;
+    m.trial.scope = scope_of(t, whole);
+    if (m.trial.usable && t->focus.stages)
+        m.trial.focus_ns =
+            measure_stages_ns(&m.launch, t->focus.device, t->focus.stages, t->focus.n);
     *got = m.trial;
-    if (got->usable && t->focus.stages)
-        got->focus_ns = measure_stages_ns(&m.launch, t->focus.device, t->focus.stages, t->focus.n);
     if (!trial_log_add(t->state, got, &t->why))
         return false;
-    ++t->state->played;
-    return (!recorder->trial || recorder->trial(recorder->context, plan, &m, t->state, &t->why)) &&
-           check_measured(t, plan, &m);
+    uint32_t number = t->state->played++;
+    return (!recorder->trial || recorder->trial(recorder->context, number, &m, &t->why)) &&
+           (whole || check_measured(t, plan, &m));
 }
 
 static void count_trial(tuning *t, const trial *entry)
@@ -252,32 +276,37 @@ static void count_trial(tuning *t, const trial *entry)
     t->spent_ns += entry->spent_ns;
 }
 
-trial tuning_run_trial(tuning *t, const duet_plan *plan)
+// Takes the times for those of all the work, at the rate of the part.
+static void scale(const tuning *t, trial *got)
+{
+    uint64_t *times[] = {&got->sample.total_ns, &got->sample.a_ns, &got->sample.b_ns,
+                         &got->focus_ns};
+    for (uint32_t i = 0; i < sizeof times / sizeof *times; ++i)
+        *times[i] = (uint64_t)((double)*times[i] * DUET_SHARE_ONE / t->part + 0.5);
+}
+
+trial tuning_run_on(tuning *t, const measure_machine *whole, const duet_plan *plan)
 {
     trial got = {0};
     if (t->why.status != DUET_STATUS_OK)
         return got;
-    const trial *kept = trial_log_next(t->state, plan);
+    const trial *kept = trial_log_next(t->state, plan, scope_of(t, whole));
     if (kept)
         got = *kept;
-    else if (!measure_live(t, plan, &got))
+    else if (!measure_live(t, whole, plan, &got))
         return (trial){0};
     t->first = kept ? t->state->played : t->first;
     count_trial(t, &got);
+    double launch_s = (double)got.sample.total_ns * 1e-9;
+    scale(t, &got);
     if (tell_trial(t, &got, kept) && t->state->played == 1)
-        check_budget(t, &got);
+        check_budget(t, &got, launch_s);
     if (t->problem->meter) // races and searches make this small
         got.sample.total_ns = (uint64_t)(got.terms.joules * 1e9);
     return got;
 }
 
-trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan)
+trial tuning_run_trial(tuning *t, const duet_plan *plan)
 {
-    measurement m;
-    if (!measure_in_quiet(t, machine, plan, (measure_way){.repeats = t->repeats}, &m))
-        return (trial){0};
-    ++t->unlogged;
-    count_trial(t, &m.trial);
-    tell_trial(t, &m.trial, false);
-    return m.trial;
+    return tuning_run_on(t, NULL, plan);
 }

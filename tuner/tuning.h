@@ -36,16 +36,18 @@ typedef struct tuning {
     const char *stage;
     double stage_end; // part of the budget that is used up when it must end
     uint32_t repeats; // launches of a trial that count
+    bool at_once;     // plans that ran before are not warmed up again, and a launch counts as it is
     double scatter;   // deviation of a launch, as part of it; INFINITY: not known
     uint32_t first;   // trial that this process measured
+    uint32_t part;    // of each device's work that a launch does, of DUET_SHARE_ONE
     focus focus;
-    duet_plan plan; // the variants chosen so far
+    duet_plan plan;  // the variants chosen so far
+    duet_plan alone; // the better single device, once there is a verdict
     mode_found founds[MOST_MODES];
     uint32_t n_founds;      // modes that were searched; 0: there is nothing to share
     uint32_t search_begun;  // at this trial
     uint32_t search_trials; // about so many that the search of kernels takes; UINT32_MAX: not known
     uint32_t launches;
-    uint32_t unlogged; // trials of the whole device, which the log has no plan for
     uint64_t spent_ns;
     uint32_t watched; // launches whose threads were watched
     uint32_t disturbed;
@@ -61,15 +63,16 @@ bool tuning_goes_on(const tuning *t);
 
 // Adds the trial to the log. It stops the tuning if the budget can reach no verdict, the default
 // variants find wrong pairs, the log cannot be kept, or somebody says so. The trial of a plan that
-// does not run, or of a tuning that has stopped, is not usable.
+// does not run, or of a tuning that has stopped, is not usable. Its times are those of all the
+// work, at the rate of the part that was done.
 trial tuning_run_trial(tuning *t, const duet_plan *plan);
 
 // How many launches of a trial are to count, by what the last trial's took: the usual number, or
 // more if they scatter and are short, which cost least.
 uint32_t tuning_count_launches(const tuning *t, uint32_t usual);
 
-// The same on any machine, without the log: a resumed tuning runs it again.
-trial tuning_run_unlogged(tuning *t, const measure_machine *machine, const duet_plan *plan);
+// The same on the undivided device; whole NULL: on the pair.
+trial tuning_run_on(tuning *t, const measure_machine *whole, const duet_plan *plan);
 
 // The tuning has waited for other programs as long as it may, and has stopped because of that.
 bool tuning_is_out_of_patience(const tuning *t);

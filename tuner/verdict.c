@@ -46,11 +46,12 @@ static uint32_t enter_rivals(const tuning *t, field *f)
 }
 
 // Finds both devices' undisturbed times in all trials of a plan; false if there are too few.
-static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns[2])
+static bool undisturbed(const tuning *t, const duet_plan *plan, double ns[2])
 {
     double times[2][STATS_MOST];
     uint32_t n = 0;
-    for (const trial *at = NULL; n < STATS_MOST && (at = trial_log_of(state, plan, at)); ++n) {
+    for (const trial *at = NULL; n < STATS_MOST && (at = trial_log_of(t->state, plan, t->part, at));
+         ++n) {
         times[0][n] = (double)at->sample.a_ns;
         times[1][n] = (double)at->sample.b_ns;
     }
@@ -65,7 +66,7 @@ static bool undisturbed(const trial_log *state, const duet_plan *plan, double ns
 static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
 {
     double ns[2];
-    if (!strategy_find(t->problem->def->strategy)->evened || !undisturbed(t->state, plan, ns))
+    if (!strategy_find(t->problem->def->strategy)->evened || !undisturbed(t, plan, ns))
         return false;
     double part = (double)plan->share / DUET_SHARE_ONE;
     double a = ns[0] / part, b = ns[1] / (1 - part); // each device's time for all the work
@@ -81,7 +82,7 @@ static bool even_out(const tuning *t, const duet_plan *plan, duet_plan *even)
 static bool is_mostly_disturbed(const tuning *t, const duet_plan *plan)
 {
     uint32_t trials = 0, disturbed = 0;
-    for (const trial *at = NULL; (at = trial_log_of(t->state, plan, at)); ++trials)
+    for (const trial *at = NULL; (at = trial_log_of(t->state, plan, t->part, at)); ++trials)
         disturbed += 2 * at->disturbed > at->launches;
     return t->problem->def->wait_seconds > 0 && 2 * disturbed > trials;
 }
@@ -111,7 +112,7 @@ static bool is_void(const tuning *t, const duet_plan *best, const race_gain *gai
     return true;
 }
 
-static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best)
+static void judge(tuning *t, const field *f, uint32_t alone, uint32_t best)
 {
     duet_tune_outcome *outcome = t->outcome;
     race_gain gain = best == alone ? race_no_gain(t->cut ? RACE_AMBIGUOUS : RACE_SAME)
@@ -121,6 +122,7 @@ static void judge(const tuning *t, const field *f, uint32_t alone, uint32_t best
     uint32_t use = gain.verdict == RACE_FASTER ? best : alone;
     outcome->best = f->plans[best];
     outcome->plan = f->plans[use];
+    t->alone = f->plans[alone];
     outcome->terms = f->terms[best];
     outcome->gain = gain.ratio - 1;
     outcome->gain_low = gain.interval.low - 1;
@@ -260,11 +262,11 @@ void verdict_race_whole(tuning *t)
 {
     const tune_whole *whole = &t->problem->whole;
     duet_tune_outcome *outcome = t->outcome;
-    measure_machine machines[2] = {t->problem->machine};
-    field f = {.plans = {outcome->plan}, .n = 2, .machines = machines};
+    measure_machine machine;
+    field f = {.plans = {outcome->plan}, .n = 2, .whole = &machine};
     if (!whole->open || t->why.status != DUET_STATUS_OK)
         return;
-    if (!whole->open(whole->context, outcome->plan.variant_b, &machines[1], &f.plans[1])) {
+    if (!whole->open(whole->context, outcome->plan.variant_b, &machine, &f.plans[1])) {
         if (!budget_check_stop(NULL))
             tuning_stop(t);
         return;

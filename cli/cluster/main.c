@@ -41,6 +41,7 @@ int main(int argc, char **argv)
     setlocale(LC_CTYPE, "");
     signal(SIGXFSZ, SIG_IGN);
     interrupt_hear(MPIRUN_STOPS);
+    interrupt_tell(mpirun_connect());
     interrupt_watch(); // before MPI's threads, so that the guard alone hears signals
     bool is_alone = !cluster_job(&job_rank, &job_ranks);
     interrupt_react(is_alone ? INTERRUPT_ENDS : INTERRUPT_ENDS_SILENTLY);

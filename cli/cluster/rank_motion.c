@@ -172,6 +172,21 @@ static const char *ghosts_by(const moved *r)
                                                : duet_grade_name(r->grade);
 }
 
+// Where the time of rank 0's steps went.
+static void add_phases(cJSON *o, const moved *r)
+{
+    const phase_cost *costs = moving_get_costs(r->cluster->moving);
+    const double n = r->n_steps > 0 ? (double)r->n_steps : 1.0;
+    cJSON *rows = cJSON_AddArrayToObject(o, "phases");
+    for (int i = 0; i < MOVING_PHASES; ++i) {
+        const phase_cost *c = &costs[i];
+        json_add(json_add_row(rows), STRING("phase", moving_phase_name(i)), NUMBER("ms", c->ms / n),
+                 NUMBER("wait_ms", c->wait_ms / n), NUMBER("exchanges", (double)c->exchanges / n),
+                 NUMBER("bytes", (double)c->bytes / n), NUMBER("waits", (double)c->waits / n),
+                 NUMBER("launches", (double)c->launches / n));
+    }
+}
+
 static bool report(const moved *r, duet_error *err)
 {
     const duet_cluster_motion_result *last = &r->last;
@@ -188,6 +203,8 @@ static bool report(const moved *r, duet_error *err)
     if (r->mean_ms > 0)
         json_add(o, NUMBER("slowest_part", r->slowest_ms / r->mean_ms),
                  NUMBER("slowest_rank", last->slowest_rank));
+    if (r->args->phases || r->args->json)
+        add_phases(o, r);
     json_add_hash(o, r->hash);
     if (r->args->check)
         json_add(o, FLAG("equal", true)); // else it has failed

@@ -94,13 +94,24 @@ bool rank_replay_before(rank_replay *r, duet_error *err)
 
 // ---------------------------------------------------------------- steps
 
+// Compares the state that a step left with the recorded one, if that was kept.
+static bool compare_kept(const rank_replay *r, duet_error *err)
+{
+    ranks *all = &r->cluster->ranks;
+    uint64_t hash = 0, kept = r->file && replay_has_hash(r->file);
+    ranks_broadcast(all, &kept, sizeof kept);
+    return !kept ||
+           (duet_cluster_get_state_hash(r->cluster, &hash, err) &&
+            ranks_agree(all, all->self > 0 || replay_check_hash(r->file, hash, err), err));
+}
+
 bool rank_replay_after(rank_replay *r, duet_error *err)
 {
     if (!r->path)
         return true;
     if (r->file)
         replay_note_step(r->file);
-    return --r->steps_left > 0 || rank_replay_before(r, err);
+    return compare_kept(r, err) && (--r->steps_left > 0 || rank_replay_before(r, err));
 }
 
 bool rank_replay_compare(rank_replay *r, duet_error *err)

@@ -21,8 +21,8 @@ bool rank_replay_begin(rank_replay *r, duet_cluster *cluster, const char *path, 
                        duet_error *err);
 void rank_replay_end(rank_replay *r);
 
-// Gives the commands that come before the next step; notes a step, and after the last recorded one
-// gives what follows.
+// Gives the commands that come before the next step; notes a step, compares its hash if that was
+// recorded, and after the last recorded one gives what follows.
 bool rank_replay_before(rank_replay *r, duet_error *err);
 bool rank_replay_after(rank_replay *r, duet_error *err);
 

@@ -31,6 +31,7 @@ typedef struct cluster_arguments {
     bool resident;
     bool sorted;
     bool tune_colours;
+    bool phases;
     bool check;
     bool verbose;
     bool json;

@@ -6,16 +6,14 @@
 
 #include "base/error.h"
 #include "cli/command_text.h"
-#include "cli/interrupt.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "cli/report/run_report.h"
 #include "cli/report/time_lines.h"
 #include "cli/say.h"
+#include "cli/timed_task.h"
 #include "runtime/selection/profile_subject.h"
-#include "runtime/task/task_launch.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 // The report of a run: what it launched, and how long that took.
@@ -23,10 +21,9 @@ typedef struct ran {
     const task *task;
     const duet_device_pair *pair;
     duet_plan plan;
-    duet_grade grade;     // the plan's
-    bool given;           // the plan
-    task_result *results; // by their time
-    uint32_t n;
+    duet_grade grade; // the plan's
+    bool given;       // the plan
+    timed times;
 } ran;
 
 // ---------------------------------------------------------------- the plan
@@ -59,28 +56,6 @@ static bool choose_plan(const arguments *args, ran *r, duet_error *err)
                     : find_plan(r, err);
 }
 
-// ---------------------------------------------------------------- launches
-
-static int compare_times(const void *a, const void *b)
-{
-    double x = ((const task_result *)a)->total_ms, y = ((const task_result *)b)->total_ms;
-    return (x > y) - (x < y);
-}
-
-static bool launch_all(const arguments *args, task_launcher *l, ran *r, duet_error *err)
-{
-    task_result first;
-    r->results = calloc(args->repeat, sizeof *r->results);
-    if (!r->results)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for times");
-    bool ok = task_launch(l, &r->plan, &first, err);
-    for (; ok && r->n < args->repeat && !interrupt_asked(); ++r->n)
-        ok = task_launch(l, &r->plan, &r->results[r->n], err);
-    if (ok)
-        qsort(r->results, r->n, sizeof *r->results, compare_times);
-    return ok && interrupt_check(err);
-}
-
 // ---------------------------------------------------------------- the report
 
 static void add_tuning(cJSON *o, const arguments *args, const ran *r)
@@ -96,16 +71,17 @@ static void add_tuning(cJSON *o, const arguments *args, const ran *r)
 
 static bool report(const arguments *args, const ran *r, duet_error *err)
 {
-    const task_result *m = &r->results[r->n / 2];
+    const timed_step *m = timed_median(&r->times);
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("task", r->task->name), STRING("kernel", r->task->kernel),
              NUMBER("items", r->task->items));
     run_report_add_plan(o, r->pair, &r->plan);
     json_add(o, STRING("plan_from", r->given ? "given" : duet_grade_name(r->grade)),
-             NUMBER("total_ms", m->total_ms), NUMBER("least_ms", r->results[0].total_ms),
-             NUMBER("most_ms", r->results[r->n - 1].total_ms), NUMBER("a_ms", m->device_ms[0]),
-             NUMBER("b_ms", m->device_ms[1]), NUMBER("launches", r->n),
-             NUMBER("tolerance", r->task->tolerance), STRING("reference", r->task->reference));
+             NUMBER("total_ms", m->total_ms), NUMBER("least_ms", r->times.steps[0].total_ms),
+             NUMBER("most_ms", r->times.steps[r->times.n - 1].total_ms),
+             NUMBER("a_ms", m->device_ms[0]), NUMBER("b_ms", m->device_ms[1]),
+             NUMBER("launches", r->times.n), NUMBER("tolerance", r->task->tolerance),
+             STRING("reference", r->task->reference));
     if (!args->json)
         add_tuning(o, args, r);
     json_add_stages(o, m->stages, m->n_stages);
@@ -114,7 +90,7 @@ static bool report(const arguments *args, const ran *r, duet_error *err)
 
 static bool draw_timeline(const arguments *args, const ran *r, duet_error *err)
 {
-    const task_result *m = &r->results[r->n / 2];
+    const timed_step *m = timed_median(&r->times);
     const time_lines shown = {.title = r->task->name,
                               .pair = r->pair,
                               .plan = &r->plan,
@@ -128,11 +104,12 @@ static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_
 {
     ran r = {.task = t, .pair = pair};
     task_launcher *l = task_launcher_open(t, pair, err);
-    bool ok = l && choose_plan(args, &r, err) && launch_all(args, l, &r, err) &&
+    bool ok = l && choose_plan(args, &r, err) &&
+              timed_task_run(&r.times, l, pair, &r.plan, (uint32_t)args->repeat, err) &&
               draw_timeline(args, &r, err);
     if (ok && (args->json || !options_is_stdout(args->timeline)))
         ok = report(args, &r, err);
-    free(r.results);
+    timed_free(&r.times);
     task_launcher_close(l);
     return ok;
 }

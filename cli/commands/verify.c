@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // duet verify: runs a moving scene twice, step beside step, and says that all states were equal, or
 // what differed first.
+//
+// States are compared each so many steps, and kept where they are equal. Once they differ both runs
+// go back to what was kept, and then half of the steps in between, until one step is left.
 #include "cli/commands.h"
 
 #include "base/error.h"
@@ -16,6 +19,7 @@
 typedef struct arguments {
     scene_options scene;
     uint64_t steps; // 0: all that are recorded
+    uint64_t every; // steps from one comparison to the next
     const char *replay;
     const char *other_replay;
     const char *pair;
@@ -28,6 +32,7 @@ typedef struct arguments {
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     OPTION_COUNT("steps", steps, "K", "steps to compare (all that are recorded)", 1, 1000000000),
+    OPTION_COUNT("every", every, "K", "compare the states after each K steps (64)", 1, 1000000000),
     OPTION_INPUT("replay", replay, "F.replay", "replay recorded commands in both runs"),
     OPTION_INPUT("other-replay", other_replay, "F.replay", "commands of the other run"),
     PAIR_OPTION_ROW(pair),
@@ -72,7 +77,9 @@ typedef struct verification {
     const arguments *args;
     const duet_scene *scene;
     verified_run runs[2];
-    uint64_t steps;
+    uint64_t steps, done;
+    uint64_t kept;  // the step at which both states were kept
+    uint64_t taken; // steps that each run made in all
     difference first;
     progress shown;
     char twice[160]; // selectors of the other run
@@ -156,8 +163,10 @@ static bool compare_states(verification *v, const char *stage, uint64_t step, du
             difference_find_state(&v->first, v->runs, stage, err));
 }
 
-static bool compare_step(verification *v, uint64_t step, duet_error *err)
+// Takes the next step, between whose stages it looks for what differs.
+static bool compare_step(verification *v, duet_error *err)
 {
+    const uint64_t step = v->done + 1;
     if (!call_both(v, verified_run_command, err))
         return false;
     bool commanded = v->runs[0].commanded || v->runs[1].commanded;
@@ -170,17 +179,102 @@ static bool compare_step(verification *v, uint64_t step, duet_error *err)
             (!difference_is(v->runs, true) || difference_find(&v->first, v->runs, err)));
 }
 
+// A run that parts from its recording ends both.
+static bool is_unlike(const verification *v)
+{
+    return v->runs[0].unlike.status != DUET_STATUS_OK || v->runs[1].unlike.status != DUET_STATUS_OK;
+}
+
+static bool take_step(verification *v, duet_error *err)
+{
+    if (!interrupt_check(err) || !call_both(v, verified_run_command, err) ||
+        !call_both(v, verified_run_step, err))
+        return false;
+    ++v->done;
+    ++v->taken;
+    progress_show(&v->shown, v->done);
+    return true;
+}
+
+static bool is_bad(const verified_run *r)
+{
+    return r->not_finite.status != DUET_STATUS_OK;
+}
+
+// Takes steps up to one, or less far where events differ, or a run parts from its recording.
+// *differ: something does, or is no longer finite.
+static bool go_to(verification *v, uint64_t step, bool *differ, duet_error *err)
+{
+    bool ok = true;
+    *differ = false;
+    while (ok && !*differ && v->done < step && !is_unlike(v)) {
+        ok = take_step(v, err);
+        *differ = ok && difference_is_told(v->runs);
+    }
+    ok = ok && call_both(v, verified_run_sum, err);
+    *differ = ok && (difference_is(v->runs, true) || is_bad(&v->runs[0]));
+    return ok;
+}
+
+static bool keep(verification *v, duet_error *err)
+{
+    v->kept = v->done;
+    return call_both(v, verified_run_keep, err);
+}
+
+static bool go_back(verification *v, duet_error *err)
+{
+    v->done = v->kept;
+    return call_both(v, verified_run_return, err);
+}
+
+static void forget_unlike(verification *v)
+{
+    for (int i = 0; i < 2; ++i)
+        v->runs[i].unlike = (duet_error){0};
+}
+
+// The states differ at step `differs`, and did not where they were kept: halves the way.
+static bool find_first(verification *v, uint64_t differs, duet_error *err)
+{
+    bool ok = go_back(v, err);
+    while (ok && differs - v->kept > 1) {
+        bool differ = false;
+        forget_unlike(v);
+        ok = go_to(v, v->kept + (differs - v->kept) / 2, &differ, err);
+        if (differ)
+            differs = v->done;
+        ok = ok && (differ ? go_back(v, err) : keep(v, err));
+    }
+    ok = ok && compare_step(v, err);
+    ++v->taken;
+    return ok && (v->first.stage ||
+                  error_set(err, DUET_STATUS_WRONG_RESULT,
+                            "different: step %" PRIu64 ", but not when both runs took it again "
+                            "from the state before: one of them does not repeat itself",
+                            v->done + 1));
+}
+
+static bool is_over(const verification *v)
+{
+    return v->first.stage || is_unlike(v) || v->done == v->steps;
+}
+
 static bool compare(verification *v, duet_error *err)
 {
-    uint64_t done = 0;
-    bool ok = compare_states(v, "start", 0, err);
+    bool ok = compare_states(v, "start", 0, err) && (v->first.stage || keep(v, err));
     v->shown = progress_begin("step", v->steps);
-    while (ok && !v->first.stage && done < v->steps && interrupt_check(err)) {
-        ok = compare_step(v, ++done, err);
-        progress_show(&v->shown, done);
+    while (ok && !is_over(v)) {
+        const uint64_t next = v->done + v->args->every;
+        bool differ = false;
+        ok = go_to(v, next < v->steps ? next : v->steps, &differ, err);
+        if (ok && differ)
+            ok = find_first(v, v->done, err);
+        else if (ok && !is_over(v))
+            ok = keep(v, err);
     }
     progress_end(&v->shown);
-    return ok && (v->first.stage || done == v->steps);
+    return ok;
 }
 
 // ---------------------------------------------------------------- telling
@@ -190,8 +284,8 @@ static bool tell_json(const verification *v, duet_error *err)
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("type", "duet verify"), STRING("scene", duet_scene_get_info(v->scene)->name),
              NUMBER("objects", duet_motion_get_count(v->runs[0].motion)),
-             NUMBER("steps", (double)(v->first.stage ? v->first.step : v->steps)),
-             FLAG("equal", !v->first.stage));
+             NUMBER("steps", (double)(v->first.stage ? v->first.step : v->done)),
+             NUMBER("steps_taken", (double)v->taken), FLAG("equal", !v->first.stage));
     if (!v->first.stage)
         json_add_hash(o, v->runs[0].hash);
     cJSON *list = cJSON_AddArrayToObject(o, "runs");
@@ -227,7 +321,7 @@ static bool tell_equal(const verification *v, duet_error *err)
     uint32_t n = duet_motion_get_count(v->runs[0].motion);
     if (ok && !v->args->json)
         printf("equal: %s, %s, state hash %016" PRIx64 ": %s\n",
-               table_things(v->steps, "step", "steps").chars,
+               table_things(v->done, "step", "steps").chars,
                table_things(n, "body", "bodies").chars, v->runs[0].hash, runs.chars);
     text_free(&runs);
     return ok;
@@ -251,8 +345,8 @@ static bool tell(const verification *v, duet_error *err)
         return false;
     if (v->first.stage)
         return tell_difference(v, err);
-    return tell_equal(v, err) &&
-           (v->runs[0].unlike.status == DUET_STATUS_OK || error_copy(err, &v->runs[0].unlike));
+    const duet_error *unlike = &v->runs[v->runs[0].unlike.status == DUET_STATUS_OK].unlike;
+    return tell_equal(v, err) && (unlike->status == DUET_STATUS_OK || error_copy(err, unlike));
 }
 
 static bool run(void *given, char **operands, duet_error *err)
@@ -271,6 +365,7 @@ static bool run(void *given, char **operands, duet_error *err)
 int command_verify(int argc, char **argv)
 {
     arguments args = {.scene = SCENE_OPTIONS_DEFAULT,
+                      .every = 64,
                       .plan = PLAN_OPTIONS_DEFAULT,
                       .other_plan = {.share = UINT32_MAX, .prefix = "other-"}};
     return options_run(&line, argc, argv, &args, run);

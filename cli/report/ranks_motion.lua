@@ -3,6 +3,17 @@
 local report = ...
 local line, count = report.line, report.count
 
+-- A step's mean, on rank 0: kernels that were launched, how often the host waited for its devices, and for other ranks.
+local function tell_phases(phases)
+  line("")
+  local row = report.columns("lrrrrrr", "phase", "ms", "launches", "waits", "exchanges", "sent kB", "wait ms")
+  for _, p in ipairs(phases) do
+    row(p.phase, ("%.3f"):format(p.ms), ("%.1f"):format(p.launches), ("%.1f"):format(p.waits),
+      ("%.1f"):format(p.exchanges), ("%.1f"):format(p.bytes / 1e3), ("%.3f"):format(p.wait_ms))
+  end
+  line("")
+end
+
 return function(o)
   line("%s: %s bodies, %s of %.0f\n", o.scene, count(o.objects), report.things(o.ranks, "rank", "ranks"), o.parts)
   local row = report.columns("lrl")
@@ -17,6 +28,7 @@ return function(o)
   if o.slowest_part and o.ranks > 1 then
     row("slowest", ("%.2f"):format(o.slowest_part), ("times the mean rank's work a step; rank %.0f last"):format(o.slowest_rank))
   end
+  if o.phases then tell_phases(o.phases) end
   if o.equal then row("check", "equal", "to one motion, in each step") end
   line("state hash %s", o.hash)
   return report.told

@@ -17,18 +17,14 @@ return {
       const uint *asleep               if SLEEP == 1
       uint woken                       if SLEEP == 1
       const uint *flags                if SLEEP == 1
-      const uint *awake                if SLEEP == 1
-      const uint *n_listed             if SLEEP == 1
-      uint all_awake                   if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       uint n
       float4 *bodies
     ]],
     integrate_velocities = [[
       float4 *bodies
       uint n
-      const uint *awake     if SLEEP == 1
-      const uint *n_listed  if SLEEP == 1
-      uint all_awake        if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       float4 gravity        if GRAVITY > 0
       const real4 *centres  if GRAVITY == 2
       float drag            if DRAG == 1
@@ -44,9 +40,7 @@ return {
       int4 *cells                if ORIGIN > 0
       real4 *rotations           if ANGULAR_VELOCITY > 0
       real4 *angular_velocities  if ANGULAR_VELOCITY > 0
-      const uint *awake          if SLEEP == 1
-      const uint *n_listed       if SLEEP == 1
-      uint all_awake             if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       const uint *asleep         if SLEEP == 1
       float *rests               if SLEEP == 1
       const float4 *halves       if SLEEP == 1

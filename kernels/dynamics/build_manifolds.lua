@@ -46,9 +46,7 @@ return {
       const float *sensors    if SENSORS == 1 and ROUNDED == 1 and CONTACT_RESPONSE == 1
       float dt                if CONTINUOUS == 1
       volatile uint *flags    if SLEEP == 1
-      const uint *awake_contacts  if SLEEP == 1
-      const uint *n_listed    if SLEEP == 1
-      uint all_awake          if SLEEP == 1
+    ]] .. common.AWAKE_CONTACTS .. [[
       float margin
       uint *touches
       float *contacts

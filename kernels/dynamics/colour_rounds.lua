@@ -14,9 +14,7 @@ return {
     colour_rounds = [[
       const uint2 *links
       uint n
-      const uint *awake     if SLEEP == 1
-      const uint *n_listed  if SLEEP == 1
-      uint all_awake        if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       const uint *starts
       const uint *return_starts
       const uint *returns

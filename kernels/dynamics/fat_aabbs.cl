@@ -70,15 +70,16 @@ static inline aabb body_aabb(const bodies_at *s, uint id, real margin)
     return b;
 }
 
-// As many skins as steps at most, but along the axis of the greatest way further where few bodies are awake: a
-// long and thin AABB has few neighbours.
+// At most `skins` skins, but along the axis of the greatest way further where few bodies are awake: a long and thin
+// AABB has few neighbours.
 static inline real4 most_ahead(const bodies_at *s, real4 below, real4 above)
 {
-    real most = s->horizon * s->skin;
-    if (!(s->horizon > LEAST_HORIZON))
+    real most = s->skins * s->skin;
+    if (!(s->skins > LEAST_HORIZON))
         return (real4)(most);
     real4 far = fmax(below, above);
-    real longest = fmax(far.x, fmax(far.y, far.z)), along = most * (s->horizon / LEAST_HORIZON);
+    real longest = fmax(far.x, fmax(far.y, far.z)), times = s->skins / LEAST_HORIZON;
+    real along = most * times * fmin(times, (real)4);
     return (real4)(far.x < longest ? most : along, far.y < longest ? most : along, far.z < longest ? most : along, most);
 }
 
@@ -94,6 +95,17 @@ static inline real4 arc_ahead(const bodies_at *s, uint id, real most)
     return fmin((real4)(arc), fmax(root(square) - turned_reach(s, id), (real4)(0)));
 }
 
+// How far gravity takes a body in `time`: what lies awake on others falls for `skins` steps in its bounds, what has
+// fallen for longer as long again, and a sleeper not at all.
+static inline real4 fall_ahead(const bodies_at *s, uint id, real time)
+{
+    real4 gravity = s->gravity;
+    real fallen = dot_product(s->velocities[id], gravity) * inverse(dot_product(gravity, gravity));
+    real falls = fmin(time, fmax(s->skins * s->dt, fallen));
+    bool sleeps = SLEEP && (s->asleep[id] & SLEEPS);
+    return sleeps ? (real4)(0) : gravity * ((real)0.5 * falls * falls);
+}
+
 // How much further AABBs reach than the skin, below and above: as far as the body comes in `horizon`
 // steps, if nothing stops it.
 static inline void grow_by_skin(const bodies_at *s, uint id, aabb *b)
@@ -101,13 +113,13 @@ static inline void grow_by_skin(const bodies_at *s, uint id, aabb *b)
     real time = s->horizon * s->dt;
     real4 velocity = s->velocities[id], way = velocity * time, fallen = way;
     if (GRAVITY == 1 && velocity.w > 0)
-        fallen += s->gravity * ((real)0.5 * time * time);
+        fallen += fall_ahead(s, id, time);
     real4 lower = fmax(-fmin(way, fallen), (real4)(0)), upper = fmax(fmax(way, fallen), (real4)(0));
     real4 ahead = most_ahead(s, lower, upper);
     lower = fmin(lower, ahead);
     upper = fmin(upper, ahead);
     if (ANGULAR_VELOCITY) {
-        real4 arc = arc_ahead(s, id, s->horizon * s->skin);
+        real4 arc = arc_ahead(s, id, s->skins * s->skin);
         lower += arc;
         upper += arc;
     }

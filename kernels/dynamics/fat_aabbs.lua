@@ -21,6 +21,7 @@ return {
       real dt                          if CONTINUOUS + SKIN > 0
       real skin                        if SKIN == 1
       real horizon                     if SKIN == 1
+      real skins                       if SKIN == 1
       real4 gravity                    if SKIN == 1 and GRAVITY == 1
       const uint *asleep               if SKIN == 1 and SLEEP == 1
       const float4 *halves

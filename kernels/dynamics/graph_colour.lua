@@ -14,9 +14,7 @@ return {
       const uint *touches
       uint n_contacts
       uint n
-      const uint *awake_contacts  if SLEEP == 1
-      const uint *n_listed        if SLEEP == 1
-      uint all_awake              if SLEEP == 1
+    ]] .. common.AWAKE_CONTACTS .. [[
       const float4 *bodies
       const float *sensors  if SENSORS == 1
       uint *colours
@@ -31,18 +29,14 @@ return {
       const uint *return_starts
       const uint *returns
       uint n
-      const uint *awake     if SLEEP == 1
-      const uint *n_listed  if SLEEP == 1
-      uint all_awake        if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       uint *used
       volatile uint *choices
     ]],
     graph_colour_take = [[
       const uint2 *links
       uint n
-      const uint *awake     if SLEEP == 1
-      const uint *n_listed  if SLEEP == 1
-      uint all_awake        if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       const real4 *velocities
       uint *used
       volatile uint *choices
@@ -55,9 +49,7 @@ return {
       const uint *touches
       uint n_contacts
       uint n_keys
-      const uint *awake_contacts  if SLEEP == 1
-      const uint *n_listed        if SLEEP == 1
-      uint all_awake              if SLEEP == 1
+    ]] .. common.AWAKE_CONTACTS .. [[
       uint *list
       uint *keys
     ]],
@@ -67,9 +59,7 @@ return {
       uint n_contacts
       uint n
       const uint *awake           if SLEEP == 1
-      const uint *awake_contacts  if SLEEP == 1
-      const uint *n_listed        if SLEEP == 1
-      uint all_awake              if SLEEP == 1
+    ]] .. common.AWAKE_CONTACTS .. [[
       const float4 *bodies
       const float *sensors  if SENSORS == 1
       const uint *starts

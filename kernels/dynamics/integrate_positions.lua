@@ -15,9 +15,7 @@ return {
     integrate_positions = [[
       float4 *bodies
       uint n
-      const uint *awake       if SLEEP == 1
-      const uint *n_listed    if SLEEP == 1
-      uint all_awake          if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       const real4 *rotations  if GYRO == 1
       const float4 *inertias  if GYRO == 1
       float h

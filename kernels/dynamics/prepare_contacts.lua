@@ -32,24 +32,12 @@ return {
       uint n
       uint carrier  only if CARRIED == 1
       const uint *list
-      const uint4 *spans
-      int4 span
-      uint from_colour
-      uint to_colour
-      uint each
-      float *blocks
-      volatile uint *team  if TEAM == 1
-      uint stage          if TEAM == 1
+    ]] .. common.COLOURS .. common.TEAMS .. [[
       float4 *bodies
     ]],
     store_impulses = [[
       const uint *list
-      const uint4 *spans
-      int4 span
-      uint from_colour
-      uint to_colour
-      uint each
-      float *blocks
+    ]] .. common.COLOURS .. [[
       float *contacts
     ]],
   },

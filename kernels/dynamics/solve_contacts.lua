@@ -9,15 +9,7 @@ return {
     common.CONTACT_LANES, common.BLOCK, common.ROUNDED, common.TEAM, common.GROUP(128), common.CONTACTS_AN_ITEM,
   },
   args = {
-    solve_contacts = [[
-      const uint4 *spans
-      int4 span
-      uint from_colour
-      uint to_colour
-      uint each
-      float *blocks
-      volatile uint *team  if TEAM == 1
-      uint stage          if TEAM == 1
+    solve_contacts = common.COLOURS .. common.TEAMS .. [[
       float4 *bodies
       uint soft
       float per_h
@@ -25,15 +17,7 @@ return {
       float4 hard_spring
       float load_speed
     ]],
-    apply_restitution = [[
-      const uint4 *spans
-      int4 span
-      uint from_colour
-      uint to_colour
-      uint each
-      float *blocks
-      volatile uint *team  if TEAM == 1
-      uint stage          if TEAM == 1
+    apply_restitution = common.COLOURS .. common.TEAMS .. [[
       float4 *bodies
       float4 fall
       float least_speed

@@ -8,15 +8,7 @@ return {
     common.CONTACT_LANES, common.BLOCK, common.ROUNDED, common.TEAM, common.GROUP(128), common.CONTACTS_AN_ITEM,
   },
   args = {
-    solve_shocks = [[
-      const uint4 *spans
-      int4 span
-      uint from_colour
-      uint to_colour
-      uint each
-      float *blocks
-      volatile uint *team  if TEAM == 1
-      uint stage          if TEAM == 1
+    solve_shocks = common.COLOURS .. common.TEAMS .. [[
       float4 *bodies
       float4 fall
       float least_speed

@@ -41,9 +41,7 @@ return {
     ]] .. common.SURFACES .. [[
       uint carrier            only if CARRIED == 1
       uint n
-      const uint *awake       if SLEEP == 1
-      const uint *n_listed    if SLEEP == 1
-      uint all_awake          if SLEEP == 1
+    ]] .. common.AWAKE .. [[
       float4 gravity          if GRAVITY > 0
       const real4 *centres    if GRAVITY == 2
       float drag              if DRAG == 1

@@ -17,6 +17,20 @@ local of_rest = [[
   uint carrier  only if CARRIED == 1
 ]]
 
+-- Which bodies are pushed, and their contacts.
+local of_sleepers = [[
+  const uint2 *links
+  const uint *asleep
+  const real4 *velocities
+  const float *sensors  if SENSORS == 1
+  uint n
+  const uint *awake
+  const uint *n_listed
+  uint all_awake
+  float margin
+  uint round
+]]
+
 return {
   about = "which bodies sleep; those that do deep in each other are pushed apart",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
@@ -41,32 +55,14 @@ return {
       const uint *starts
       const uint *return_starts
       const uint *returns
-      const uint2 *links
-      const uint *asleep
-      const real4 *velocities
-      const float *sensors  if SENSORS == 1
-      uint n
-      const uint *awake
-      const uint *n_listed
-      uint all_awake
-      float margin
-      uint round
+    ]] .. of_sleepers .. [[
       float *contacts
       float4 *bodies
     ]],
     move_sleepers = [[
       const uint *touches
       const uint *starts
-      const uint2 *links
-      const uint *asleep
-      const real4 *velocities
-      const float *sensors  if SENSORS == 1
-      uint n
-      const uint *awake
-      const uint *n_listed
-      uint all_awake
-      float margin
-      uint round
+    ]] .. of_sleepers .. [[
       float dt
       float *contacts
       float4 *bodies

@@ -22,10 +22,7 @@ return {
       const uint *order
       uint in_order
       const float *objects
-      const float *boxes
-      const float *nodes
-      const uint *levels
-      uint n_levels
+    ]] .. common.TREE_NODES .. [[
       uint *hits
       uint hits_capacity
       uint *open
@@ -35,8 +32,7 @@ return {
   },
   valid = function(p, limits)
     if p.ITSELF == 1 and p.FILTERED == 1 then return false, "objects that are items have filters already" end
-    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
-    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
     if p.ACCURACY == 5 and not limits.fp64 then return false, "the device has no double" end
+    return common.can_query(p)
   end,
 }

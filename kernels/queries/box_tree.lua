@@ -50,8 +50,5 @@ return {
       uint n_slots
     ]],
   },
-  valid = function(p)
-    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
-    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
-  end,
+  valid = common.can_query,
 }

@@ -11,19 +11,7 @@ return {
     { "PER_ITEM", values = { 1, 256 }, default = common.by_device(256, 1), about = "points a work-item" },
   },
   args = {
-    point_query = [[
-      const float *items
-      uint n
-      uint first_item
-      const uint *order
-      uint in_order
-      const uint2 *filters   if FILTERED == 1
-      uint group             if FILTERED == 1
-      uint mask              if FILTERED == 1
-      const float *boxes
-      const float *nodes
-      const uint *levels
-      uint n_levels
+    point_query = common.QUERY_ITEMS .. common.TREE_NODES .. [[
       uint *hits
       uint hits_capacity     if WANTS == 2
       uint *open             if WANTS == 2
@@ -32,8 +20,5 @@ return {
       volatile uint *counters
     ]],
   },
-  valid = function(p)
-    if p.SHAPE == 3 then return false, "spheres come as rounded boxes" end
-    if p.ORIGIN > 0 and p.SHAPE > 0 then return false, "origin cells are for poses" end
-  end,
+  valid = common.can_query,
 }

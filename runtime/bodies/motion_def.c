@@ -118,13 +118,9 @@ static bool check_origin(const duet_motion_def *def, duet_error *err)
 
 bool motion_check_def(const duet_motion_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion's def does not come from duet_default_motion_def");
-    if (!def->pair)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion's def has no device pair");
-    if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!error_def(def && def->cookie == COOKIE, "motion", "duet_default_motion_def", err) ||
+        !error_def_pair(def->pair, "motion", err) || !error_def_dims(def->dims, err))
+        return false;
     if (def->substeps > 1000)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "substeps is %u; expected 0 (chosen for the scene), or 1 to 1000",

@@ -228,7 +228,7 @@ bool part_prepare(part *p, const variant *asked, duet_error *err);
 bool part_has_kernels(const part *p, const variant *asked);
 void part_forget_kernels(part *p);
 
-// Builds the kernel of part_skim, too.
+// Builds the kernel that classifies prefetched objects (prefetch.c), too.
 bool part_prepare_skim(part *p, duet_error *err);
 
 // The kernel of that name that the part has prepared; NULL if it runs another.

@@ -272,7 +272,7 @@ bool part_prepare_skim(part *p, duet_error *err)
     return ASK(p, list, err) && program_set_build(p->programs, err);
 }
 
-// Whether some kernel has the parameter of a setting. The kernel of part_skim comes later.
+// Whether some kernel has the parameter of a setting. The kernel `skim` comes later.
 static bool is_known(const variant_setting *s)
 {
     return s->used || strcmp(s->kernel, "skim") == 0;

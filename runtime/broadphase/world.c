@@ -84,11 +84,9 @@ static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
 
 bool world_check_def(const duet_world_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the world's def does not come from duet_default_world_def");
-    if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!error_def(def && def->cookie == COOKIE, "world", "duet_default_world_def", err) ||
+        !error_def_dims(def->dims, err))
+        return false;
     if (def->shape < DUET_SHAPE_POSES || def->shape >= DUET_SHAPES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);
@@ -105,9 +103,7 @@ bool world_check_def(const duet_world_def *def, duet_error *err)
 
 static bool check_def(const duet_world_def *def, duet_error *err)
 {
-    return world_check_def(def, err) &&
-           (def->pair ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world's def has no device pair"));
+    return world_check_def(def, err) && error_def_pair(def->pair, "world", err);
 }
 
 // The grid that both variants can search.

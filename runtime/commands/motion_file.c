@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A motion as a file: what it is, and all that its next step reads. A sum at the end tells a
 // damaged file.
+#include "runtime/commands/kept_motion.h"
 #include "runtime/commands/motion_check.h"
 #include "runtime/commands/saved_motion.h"
 
@@ -155,6 +156,23 @@ static bool write_file(text *file, const char *path, duet_error *err)
     return output_close(&o, ok, err);
 }
 
+// Adds head and buffers.
+static bool add_buffers(duet_motion *m, const saved_head *h, text *file, duet_error *err)
+{
+    text_add_bytes(file, (const char *)h, sizeof *h);
+    bool ok = timeline_finish(&m->times, err);
+    for (int i = 0; ok && i < N_KEPT; ++i)
+        ok = add_buffer(m, h, kept[i], file, err);
+    return ok && text_ok(file, err);
+}
+
+static bool add_rest(duet_motion *m, text *file, duet_error *err)
+{
+    bool ok = saved_places_add(m, file, err);
+    saved_ground_add(m, file);
+    return ok && text_ok(file, err);
+}
+
 // A file that could not be loaded is told while the motion is still there.
 bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
 {
@@ -163,21 +181,22 @@ bool duet_motion_save(duet_motion *m, const char *path, duet_error *err)
         return false;
     text file = {0};
     saved_head h = head_of(m);
-    text_add_bytes(&file, (const char *)&h, sizeof h);
-    bool ok = timeline_finish(&m->times, err);
-    for (int i = 0; ok && i < N_KEPT; ++i)
-        ok = add_buffer(m, &h, kept[i], &file, err);
-    if (ok && text_ok(&file, err)) {
+    bool ok = add_buffers(m, &h, &file, err);
+    if (ok) {
         motion_saved parts = parts_of(m, &h, file.chars, path);
         clear_spare(m, &parts, file.chars);
-        ok = motion_check(m, &parts, err) && saved_places_add(m, &file, err);
-        saved_ground_add(m, &file);
-        ok = ok && write_file(&file, path, err);
-    } else {
-        ok = false;
+        ok =
+            motion_check(m, &parts, err) && add_rest(m, &file, err) && write_file(&file, path, err);
     }
     text_free(&file);
     return ok;
+}
+
+bool motion_keep(duet_motion *m, text *to, duet_error *err)
+{
+    const saved_head h = head_of(m);
+    to->length = 0;
+    return add_buffers(m, &h, to, err) && add_rest(m, to, err);
 }
 
 // ---------------------------------------------------------------- loading
@@ -266,6 +285,7 @@ static void take_counts(duet_motion *copy, const saved_head *h)
 {
     copy->step = h->step;
     copy->graph.n_contacts = h->n_contacts;
+    copy->graph.n_without = 0;
     copy->graph.n_pairs = (cl_uint)h->n_pairs;
     copy->products = products_of_saved(h->has_graph);
     altered_forget(&copy->altered);
@@ -310,6 +330,17 @@ static bool replace(duet_motion *m, const saved_head *h, const char *bytes, cons
     return ok;
 }
 
+// Events of the motion's timeline are released before the copy has them, too.
+static bool load(duet_motion *m, const saved_head *h, const text *file, const char *path,
+                 duet_error *err)
+{
+    if (!timeline_finish(&m->times, err) || !replace(m, h, file->chars, path, err))
+        return false;
+    motion_forget_recording(m);
+    motion_mend(m);
+    return true;
+}
+
 bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
 {
     PUBLIC_CALL(err);
@@ -317,14 +348,16 @@ bool duet_motion_load(duet_motion *m, const char *path, duet_error *err)
         return false;
     text file = {0};
     saved_head h;
-    // Events of the motion's timeline are released before the copy has them, too.
     bool ok = text_read_file(&file, path, err) && read_head(&h, &file, path, err) &&
               check_head(m, &h, path, err) && check_whole(m, &h, &file, path, err) &&
-              timeline_finish(&m->times, err) && replace(m, &h, file.chars, path, err);
+              load(m, &h, &file, path, err);
     text_free(&file);
-    if (!ok)
-        return false;
-    motion_forget_recording(m);
-    motion_mend(m);
-    return true;
+    return ok;
+}
+
+bool motion_return(duet_motion *m, const text *from, duet_error *err)
+{
+    saved_head h;
+    memcpy(&h, from->chars, sizeof h);
+    return load(m, &h, from, "a kept state", err);
 }

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static_assert(sizeof(recording_head) == 40 && sizeof(recorded) == 16,
-              "no byte of a file is left to chance");
+static_assert(sizeof(recording_head) == 40, "no byte of a file is left to chance");
 
 const char recording_magic[16] = "duet commands 2\n";
 
@@ -36,16 +35,6 @@ static void add(text *to, const void *bytes, size_t n)
         text_add_bytes(to, bytes, n);
 }
 
-static void add_steps(text *to, uint64_t steps)
-{
-    while (steps > 0) {
-        uint32_t some = steps < UINT32_MAX ? (uint32_t)steps : UINT32_MAX;
-        const recorded r = {.kind = RECORDED_STEPS, .n = some};
-        add(to, &r, sizeof r);
-        steps -= some;
-    }
-}
-
 static void add_def(text *to, const duet_motion_def *def)
 {
     const packed_def packed = packed_def_of(def);
@@ -60,8 +49,7 @@ void recording_add(duet_motion *m, const command *c)
     const recorded r = {.kind = c->op->number, .n = n, .fields = c->fields};
     if (!to || n == 0)
         return;
-    add_steps(to, m->step - m->recorded_step);
-    m->recorded_step = m->step;
+    recorded_steps_add(m);
     add(to, &r, sizeof r);
     add(to, c->ids, n * sizes.ids);
     if (c->op->form == COMMAND_DEF)
@@ -111,8 +99,7 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
     add(fresh, &head, sizeof head);
     add_ground(fresh, m);
     motion_forget_recording(m);
-    m->recording = fresh;
-    m->recorded_step = m->step;
+    recorded_steps_begin(m, fresh);
     return true;
 }
 
@@ -131,8 +118,8 @@ bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *er
         !duet_motion_get_hash(m, &hash, err))
         return false;
     text file = {0};
-    add(&file, m->recording->chars, m->recording->length);
-    add_steps(&file, m->step - m->recorded_step);
+    recorded_steps_add(m);
+    add(&file, text_chars(m->recording), m->recording->length);
     add(&file, &hash, sizeof hash);
     uint64_t sum = text_checksum(text_chars(&file), file.length);
     add(&file, &sum, sizeof sum);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What is recorded of a motion, in the form of the file (docs/formats.md, "Recordings"): a head,
-// then a record for each command and each run of steps. The motion holds these bytes; a file ends
-// with the state's hash and a sum.
+// then a record for each command, each run of steps and each hash that is kept of a state
+// (recorded_steps.h). The motion holds these bytes; a file ends with the state's hash and a sum.
 #ifndef RUNTIME_RECORDING_H
 #define RUNTIME_RECORDING_H
 
 #include "runtime/commands/command.h"
 #include "runtime/commands/packed.h"
+#include "runtime/dynamics/recorded_steps.h"
 
 typedef struct recording_head {
     char magic[16];
@@ -18,22 +19,14 @@ typedef struct recording_head {
 
 extern const char recording_magic[16];
 
-// Kinds besides the commands' numbers. The first record of a motion on a ground is the ground's:
-// one sum follows.
-enum { RECORDED_STEPS = 0, RECORDED_GROUND = 255 };
+// The first record of a motion on a ground is the ground's, of this kind: one sum follows.
+enum { RECORDED_GROUND = 255 };
 
 // Sums the ground that bodies of a motion touch (FNV-1a); 0: there is none.
 uint64_t recorded_ground_sum(const duet_motion *m);
 
-// Begins each record. n ids follow if bodies are listed, then n rows, then n bodies; bodies and
-// defs are packed.
-typedef struct recorded {
-    uint32_t kind;
-    uint32_t n; // bodies, or steps
-    uint32_t fields;
-    uint32_t unused;
-} recorded;
-
+// Behind a command's record n ids follow if bodies are listed, then n rows, then n bodies; bodies
+// and defs are packed.
 typedef struct recorded_sizes {
     size_t ids, row, body; // bytes of one
 } recorded_sizes;

@@ -10,6 +10,7 @@
 #include "base/text_file.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,6 +22,8 @@ struct duet_replay {
     uint64_t end_hash;
     size_t at, end;      // offsets of the next record, and of the end of all
     uint32_t steps_left; // the record's
+    uint64_t
+        equal_step; // the last of the motion's steps whose hash was seen to be the recorded one
     duet_replay_info info;
     uint64_t commands_done;
     bool begun;
@@ -37,6 +40,8 @@ static bool damaged(const char *path, duet_error *err)
 static size_t size_of(const recorded *r)
 {
     const command_op *op = command_op_at(r->kind);
+    if (r->kind == RECORDED_HASH)
+        return r->n == 1 && !r->fields && !r->unused ? sizeof(uint64_t) : SIZE_MAX;
     if (r->n == 0 || r->unused || (!op && r->kind != RECORDED_STEPS) ||
         (r->fields && (!op || op->form != COMMAND_FIELDS)) ||
         (op && op->form == COMMAND_DEF && r->n != 1))
@@ -45,8 +50,10 @@ static size_t size_of(const recorded *r)
     return r->n * (each.ids + each.row + each.body);
 }
 
+// A hash is of the state that a step left: it comes behind steps.
 static bool count_records(duet_replay *p, duet_error *err)
 {
+    uint32_t before = RECORDED_HASH;
     for (size_t at = p->at; at < p->end;) {
         recorded r;
         if (p->end - at < sizeof r)
@@ -54,11 +61,12 @@ static bool count_records(duet_replay *p, duet_error *err)
         memcpy(&r, p->file.chars + at, sizeof r);
         at += sizeof r;
         size_t size = size_of(&r);
-        if (size > p->end - at)
+        if (size > p->end - at || (r.kind == RECORDED_HASH && before != RECORDED_STEPS))
             return damaged(p->path, err);
         at += size;
-        *(r.kind == RECORDED_STEPS ? &p->info.steps : &p->info.commands) +=
-            r.kind == RECORDED_STEPS ? r.n : 1;
+        before = r.kind;
+        p->info.steps += r.kind == RECORDED_STEPS ? r.n : 0;
+        p->info.commands += r.kind != RECORDED_STEPS && r.kind != RECORDED_HASH;
     }
     return true;
 }
@@ -87,6 +95,7 @@ static bool read_replay(duet_replay *p, duet_error *err)
     memcpy(&p->head, p->file.chars, sizeof p->head);
     memcpy(&sum, p->file.chars + p->file.length - sizeof sum, sizeof sum);
     p->at = sizeof p->head;
+    p->equal_step = p->head.step;
     p->end = p->file.length - sizeof sum - sizeof p->end_hash;
     memcpy(&p->end_hash, p->file.chars + p->end, sizeof p->end_hash);
     if (sum != text_checksum(p->file.chars, p->file.length - sizeof sum))
@@ -183,6 +192,26 @@ void replayed_free(replayed *r)
     free(r->bodies);
 }
 
+replay_place replay_get_place(const duet_replay *p)
+{
+    return (replay_place){.at = p->at,
+                          .steps_left = p->steps_left,
+                          .steps_done = p->info.steps_done,
+                          .commands_done = p->commands_done,
+                          .equal_step = p->equal_step,
+                          .begun = p->begun};
+}
+
+void replay_set_place(duet_replay *p, const replay_place *place)
+{
+    p->at = place->at;
+    p->steps_left = place->steps_left;
+    p->info.steps_done = place->steps_done;
+    p->commands_done = place->commands_done;
+    p->equal_step = place->equal_step;
+    p->begun = place->begun;
+}
+
 static bool is_refusal(duet_status status)
 {
     return status == DUET_STATUS_BAD_ARGUMENT || status == DUET_STATUS_BAD_OBJECT;
@@ -196,13 +225,34 @@ bool replay_blame(const char *path, uint64_t number, uint64_t n, const duet_erro
                      why->text);
 }
 
+// Reads the head of the next record, which is none of a step that was not made yet.
+static bool next_is(const duet_replay *p, recorded *head)
+{
+    if (p->steps_left > 0 || p->at == p->end)
+        return false;
+    memcpy(head, p->file.chars + p->at, sizeof *head);
+    return true;
+}
+
+bool replay_has_hash(const duet_replay *p)
+{
+    recorded head;
+    return next_is(p, &head) && head.kind == RECORDED_HASH;
+}
+
+static void skip_hash(duet_replay *p)
+{
+    if (replay_has_hash(p))
+        p->at += sizeof(recorded) + sizeof(uint64_t);
+}
+
 bool replay_take(duet_replay *p, const duet_motion_def *def, replayed *r, duet_error *err)
 {
     recorded head;
     *r = (replayed){0};
-    if (p->steps_left > 0 || p->at == p->end)
+    skip_hash(p); // of who did not compare it
+    if (!next_is(p, &head))
         return true;
-    memcpy(&head, p->file.chars + p->at, sizeof head);
     const char *from = p->file.chars + p->at + sizeof head;
     p->at += sizeof head + size_of(&head);
     if (head.kind == RECORDED_STEPS) {
@@ -273,13 +323,53 @@ bool replay_note_step(duet_replay *p)
     return ++p->info.steps_done == p->info.steps;
 }
 
+static uint64_t step_of(const duet_replay *p)
+{
+    return p->head.step + p->info.steps_done;
+}
+
+// Names the steps one of which is the first that differs.
+static bool refuse_hash(const duet_replay *p, const char *when, uint64_t hash, uint64_t expected,
+                        duet_error *err)
+{
+    const uint64_t first = p->equal_step + 1, last = step_of(p);
+    char where[80];
+    if (first > last)
+        snprintf(where, sizeof where, "the commands after step %" PRIu64 " differ", last);
+    else if (first == last)
+        snprintf(where, sizeof where, "step %" PRIu64 " is the first that differs", last);
+    else
+        snprintf(where, sizeof where,
+                 "the first step that differs is one of %" PRIu64 " to %" PRIu64, first, last);
+    return error_set(err, DUET_STATUS_WRONG_RESULT,
+                     "%s: the state hash is %016" PRIx64 " at %s; expected the recorded "
+                     "%016" PRIx64 "; %s",
+                     p->path, hash, when, expected, where);
+}
+
+bool replay_check_hash(duet_replay *p, uint64_t hash, duet_error *err)
+{
+    uint64_t expected;
+    char when[32];
+    memcpy(&expected, p->file.chars + p->at + sizeof(recorded), sizeof expected);
+    skip_hash(p);
+    snprintf(when, sizeof when, "step %" PRIu64, step_of(p));
+    if (hash != expected)
+        return refuse_hash(p, when, hash, expected, err);
+    p->equal_step = step_of(p);
+    return true;
+}
+
 bool replay_check_end(const duet_replay *p, uint64_t hash, duet_error *err)
 {
-    return hash == p->end_hash ||
-           error_set(err, DUET_STATUS_WRONG_RESULT,
-                     "%s: the state hash is %016" PRIx64 " at the end; expected the recorded "
-                     "%016" PRIx64,
-                     p->path, hash, p->end_hash);
+    return hash == p->end_hash || refuse_hash(p, "the end", hash, p->end_hash, err);
+}
+
+static bool compare_hash(duet_replay *p, duet_motion *m, duet_error *err)
+{
+    uint64_t hash;
+    return !replay_has_hash(p) ||
+           (duet_motion_get_hash(m, &hash, err) && replay_check_hash(p, hash, err));
 }
 
 static bool end(duet_replay *p, duet_motion *m, duet_error *err)
@@ -310,5 +400,6 @@ bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *res
     if (!check_begin(p, m, err) || !give_commands(p, m, err) ||
         !duet_motion_advance(m, result, err))
         return false;
-    return !replay_note_step(p) || end(p, m, err);
+    bool is_last = replay_note_step(p);
+    return compare_hash(p, m, err) && (!is_last || end(p, m, err));
 }

@@ -32,13 +32,29 @@ typedef struct replayed {
 bool replay_take(duet_replay *replay, const duet_motion_def *def, replayed *r, duet_error *err);
 void replayed_free(replayed *r);
 
+// How far a replay is, to which it can be set back.
+typedef struct replay_place {
+    size_t at; // the next record's offset
+    uint32_t steps_left;
+    uint64_t steps_done, commands_done, equal_step;
+    bool begun;
+} replay_place;
+
+replay_place replay_get_place(const duet_replay *replay);
+void replay_set_place(duet_replay *replay, const replay_place *place);
+
 // Says which recorded command failed, from 1 on; returns false.
 bool replay_blame(const char *path, uint64_t number, uint64_t n, const duet_error *why,
                   duet_error *err);
 
-// Notes a step that was made; returns whether it was the last. After the commands that then follow
-// the state's hash is the recorded one, or this fails with WRONG_RESULT.
+// Notes a step that was made; returns whether it was the last.
 bool replay_note_step(duet_replay *replay);
+
+// Whether a hash was recorded of the state that the noted step left, before commands come. If so,
+// check fails with WRONG_RESULT, and a line that names the steps one of which differs first, unless
+// it is this one. After the last step and the commands that follow, check_end does the same.
+bool replay_has_hash(const duet_replay *replay);
+bool replay_check_hash(duet_replay *replay, uint64_t hash, duet_error *err);
 bool replay_check_end(const duet_replay *replay, uint64_t hash, duet_error *err);
 
 #endif

@@ -234,18 +234,34 @@ static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
     return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
+// Whether rows have no contacts and had none before.
+static bool stay_empty(const duet_motion *m)
+{
+    return m->graph.n_without > 0 && m->graph.n_without == m->n &&
+           product_was_made(&m->products, PRODUCT_ROWS) && most_contacts(m, m->graph.n_pairs) == 0;
+}
+
 // The contacts before are matched with the new ones, which have other places in the list by colour.
-bool motion_make_rows(duet_motion *m, duet_error *err)
+static bool make_rows(duet_motion *m, duet_error *err)
 {
     const uint64_t most = most_contacts(m, m->graph.n_pairs);
     uint32_t n_old = m->graph.n_contacts;
     buffer *b = m->buffers;
+    m->graph.n_without = 0;
     buffer_swap(&b[LINKS], &b[OLD_LINKS]);
     buffer_swap(&b[CONTACTS], &b[OLD_CONTACTS]);
     buffer_swap(&b[TOUCHES], &b[OLD_TOUCHES]);
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
-    product_renew(&m->products, PRODUCT_ROWS);
-    product_forget(&m->products, PRODUCT_COLOURS);
     return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && fill_rows(m, err) &&
            fill_returns(m, err) && match_contacts(m, n_old, err);
+}
+
+bool motion_make_rows(duet_motion *m, duet_error *err)
+{
+    if (!stay_empty(m) && !make_rows(m, err))
+        return false;
+    m->graph.n_without = m->graph.n_contacts == 0 ? m->n : 0;
+    product_renew(&m->products, PRODUCT_ROWS);
+    product_forget(&m->products, PRODUCT_COLOURS);
+    return true;
 }

@@ -12,6 +12,7 @@ typedef struct contact_graph {
     buffer pairs; // that rows are made of
     cl_uint n_pairs;
     cl_uint n_contacts; // in rows
+    cl_uint n_without;  // bodies, if the device has rows of so many without contacts; else 0
     // other arguments of a launch
     cl_uint n_old, fill, of_all;
     buffer row_starts, row_values;

@@ -88,13 +88,9 @@ static bool is_sound(const side *s, uint32_t id)
 
 static bool check_def(const duet_contact_query_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the query's def does not come from duet_default_contact_query_def");
-    if (!def->pair)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no device pair");
-    if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!error_def(def && def->cookie == COOKIE, "query", "duet_default_contact_query_def", err) ||
+        !error_def_pair(def->pair, "query", err) || !error_def_dims(def->dims, err))
+        return false;
     if ((unsigned)def->shape >= DUET_SHAPES || shape_rows[def->shape].width == 0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "shape is %d; contacts are those of poses, rounded boxes or spheres",

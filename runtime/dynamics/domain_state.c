@@ -466,6 +466,7 @@ static uint32_t count_pairs(const duet_motion *m, const domain_contacts *c)
 static bool lay_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
 {
     contact_rows r = {0};
+    m->graph.n_without = 0;
     bool ok = reserve_rows(&r, m->n, c->n, err);
     if (ok) {
         fill_rows(m, c, &r);

@@ -77,7 +77,7 @@ typedef struct motion_args {
     cl_float4 spring, hard_spring, fall;
     cl_float load_speed, margin, least_speed;
     cl_float soon; // 1 / two substeps' time
-    arg_real skin, horizon;
+    arg_real skin, horizon, skins;
     arg_real aabb_margin, contact_margin; // bounds of objects: with half a skin, and without
     cl_float sleep_speed, sleep_after;
     cl_float hit_speed;
@@ -151,6 +151,7 @@ struct duet_motion {
     motion_commands *commands; // NULL before the first
     struct text *recording;    // a file's bytes (runtime/commands); NULL: nothing is recorded
     uint64_t recorded_step;    // steps up to it are in there
+    uint64_t hashed_step;      // the last of them whose hash is, too, or that it begins with
 };
 
 // Sends a kernel over so many bodies, pairs or contacts; fills words [from, to) of a buffer with 0;
@@ -237,6 +238,9 @@ duet_state *motion_read_states(duet_motion *m, duet_error *err);
 // finite.
 typedef void (*add_state)(const duet_motion *m, uint32_t place, const duet_state *state, void *sum);
 bool motion_sum_states(duet_motion *m, add_state add, void *sum, duet_error *err);
+
+// Sums the state, as duet_motion_get_hash of a motion that is whole.
+bool motion_hash(duet_motion *m, uint64_t *hash, duet_error *err);
 
 // Adds a body's state to a sum, which over all bodies is the state hash.
 uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id);

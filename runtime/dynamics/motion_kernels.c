@@ -76,6 +76,7 @@ const binding motion_bindings[] = {
     VALUE(contact_margin),
     VALUE(skin),
     VALUE(horizon),
+    VALUE(skins),
     VALUE(least_speed),
     VALUE(soon),
     VALUE(sleep_speed),

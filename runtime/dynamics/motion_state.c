@@ -144,6 +144,7 @@ static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *e
         return m->times.sent == SENT_SEEN || timeline_see(&m->times, "send", seen, 1, err);
     }
     ++m->times.n_waits;
+    ++m->times.all_waits;
     rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
                                      at, rows->size, 0, NULL, NULL, &code);
     if (!rows->bytes)

@@ -5,6 +5,7 @@
 // half changes what a caller may ask meanwhile.
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/recorded_steps.h"
 
 #include "base/budget.h"
 #include "base/clock.h"
@@ -100,14 +101,16 @@ static void set_walls(duet_motion *m)
                         : real4_of(m, far, far, far, 0.0);
 }
 
-// Returns the steps that bounds last for bodies that keep their velocities. A search is of all
-// bodies, further bounds cost those that are awake.
-static double horizon_of(const duet_motion *m)
+// Sets the steps that bounds last for bodies that keep their velocities, and how many skins they
+// reach ahead at most, which bounds them for those that are fast. A search is of all bodies, further
+// bounds cost those that are awake, slow ones little.
+static void set_horizon(duet_motion *m)
 {
-    const double least = LEAST_HORIZON, most = 64.0;
+    const double least = LEAST_HORIZON, most_steps = 256.0, most_skins = 64.0;
     bool known = product_was_made(&m->products, PRODUCT_AWAKE) && m->awake.n_bodies > 0;
     double part = known ? (double)m->awake.n_bodies / m->n : 1.0;
-    return fmax(least, fmin(least / sqrt(part), most));
+    m->args.horizon = real_of(m, fmax(least, fmin(least / pow(part, 0.75), most_steps)));
+    m->args.skins = real_of(m, fmax(least, fmin(least / sqrt(part), most_skins)));
 }
 
 static void set_args(duet_motion *m)
@@ -124,7 +127,6 @@ static void set_args(duet_motion *m)
         .drag = (float)exp(-d->drag * h),
         .margin = (float)m->margin,
         .skin = real_of(m, skin),
-        .horizon = real_of(m, horizon_of(m)),
         // Separations up to the margin are contacts, so each object's bounds have half of it.
         .aabb_margin = real_of(m, 0.5 * (m->margin + skin)),
         .contact_margin = real_of(m, 0.5 * m->margin),
@@ -134,6 +136,7 @@ static void set_args(duet_motion *m)
         .key_end = KEYS,
         .base = m->cells ? m->cells[0] : (cl_int4){{0}},
     };
+    set_horizon(m);
     set_walls(m);
     set_flight(m, h);
     set_gravity(m);
@@ -345,6 +348,7 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
     fill_result(m, result);
     m->times.untimed = true; // work between steps is no step's
     result->total_ms = ms + clock_ms_since(begun);
+    recorded_steps_note(m);
     return true;
 }
 

@@ -38,12 +38,18 @@ static void add_hash(const duet_motion *m, uint32_t place, const duet_state *s, 
     *hash = motion_hash_state(*hash, s, place);
 }
 
+bool motion_hash(duet_motion *m, uint64_t *hash, duet_error *err)
+{
+    *hash = 0;
+    return motion_sum_states(m, add_hash, hash, err);
+}
+
 bool duet_motion_get_hash(duet_motion *m, uint64_t *hash, duet_error *err)
 {
     PUBLIC_CALL(err);
-    uint64_t sum = 0;
+    uint64_t sum;
     if (!motion_is_whole(m, __func__, err) || !error_given(hash, __func__, "hash", err) ||
-        !motion_sum_states(m, add_hash, &sum, err))
+        !motion_hash(m, &sum, err))
         return false;
     *hash = sum;
     return true;

@@ -53,13 +53,9 @@ duet_pair_query_def duet_default_pair_query_def(void)
 
 static bool check_def(const duet_pair_query_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the query's def does not come from duet_default_pair_query_def");
-    if (!def->pair)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no device pair");
-    if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!error_def(def && def->cookie == COOKIE, "query", "duet_default_pair_query_def", err) ||
+        !error_def_pair(def->pair, "query", err) || !error_def_dims(def->dims, err))
+        return false;
     if (!duet_level_get_info(def->level))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
                          (int)def->level);

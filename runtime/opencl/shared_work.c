@@ -71,6 +71,11 @@ void shared_work_divide(shared_work *w, uint64_t n)
     w->sides[0]->first = 0;
     w->sides[0]->last = w->sides[1]->first = cut;
     w->sides[1]->last = n;
+    for (int which = 0; w->part > 0 && which < 2; ++which) {
+        work_side *s = w->sides[which];
+        uint64_t items = s->last - s->first, done = part_of(items, w->part);
+        s->last = s->first + (done > 0 ? done : items > 0);
+    }
 }
 
 bool shared_work_run(shared_work *w, uint64_t n, bool (*part)(work_side *), duet_error *err)

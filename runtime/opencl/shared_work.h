@@ -23,6 +23,7 @@ typedef struct work_side {
 typedef struct shared_work {
     duet_device_pair *pair; // held
     uint32_t share;
+    uint32_t part;       // of each side's items, of DUET_SHARE_ONE, that runs do; 0: all
     thread_pool *driver; // drives A while the caller's thread drives B
     work_side *sides[2];
 } shared_work;

@@ -190,7 +190,9 @@ bool timeline_finish(timeline *t, duet_error *err)
         if (code == CL_SUCCESS)
             timeline_spin(t, timeline_last_event(t));
     }
-    cl_int finished = t->sent == SENT_SEEN && !t->beside ? CL_SUCCESS : finish_queues(t);
+    const bool waits = t->sent != SENT_SEEN || t->beside;
+    cl_int finished = waits ? finish_queues(t) : CL_SUCCESS;
+    t->all_waits += waits;
     code = code != CL_SUCCESS ? code : finished;
     if (code == CL_SUCCESS)
         code = collect(t, t->n_events);
@@ -265,6 +267,7 @@ static bool launch(timeline *t, const char *stage, const kernel *k, const uint64
     if (code != CL_SUCCESS)
         return error_set_cl(err, code, "%s on %s: launch", k->name, t->device->info.selector);
     ++t->n_launches;
+    ++t->all_launches;
     return keep_command(t, stage, event, err);
 }
 
@@ -424,6 +427,7 @@ static bool enqueue_read(timeline *t, const char *stage, buffer *b, size_t at, v
     if (bytes == 0)
         return true;
     t->n_waits += wait;
+    t->all_waits += wait;
     if (wait)
         let_go(t);
     if (b->host == to)
@@ -469,6 +473,7 @@ bool timeline_see(timeline *t, const char *stage, const buffer *const list[], in
     cl_event event = NULL;
     assert(n > 0 && n <= TIMELINE_SEEN);
     ++t->n_waits;
+    ++t->all_waits;
     if (t->device->quirks & DRIVER_IN_PLACE)
         return await_queue(t, err);
     for (int i = 0; i < n && code == CL_SUCCESS; ++i) {

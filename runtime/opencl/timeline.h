@@ -45,6 +45,7 @@ typedef struct timeline {
     timeline_sent sent;
     uint32_t n_launches;  // launches of kernels
     uint32_t n_waits;     // reads that the host waited for
+    uint64_t all_launches, all_waits; // since it was made, those for the end of all included
     cl_ulong first_begin; // begin of the first kernel, on the device's clock; 0: none ran
     cl_ulong last_end;
     uint64_t begun_ns; // by the host's clock, from which stages' begins and ends are counted

@@ -72,7 +72,7 @@ const query_kinds box_kinds = {
 duet_box_query *duet_box_query_create(const duet_box_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_box_query_def", err))
+    if (!error_def(def && def->cookie == COOKIE, "query", "duet_default_box_query_def", err))
         return NULL;
     const any_query_def any = {
         .name = {.item = QUERY_BOXES}, .level = def->level, .filter = def->filter};

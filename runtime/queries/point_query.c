@@ -65,7 +65,7 @@ const query_kinds point_kinds = {POINTS(duet_point), POINTS(duet_point), POINTS(
 duet_point_query *duet_point_query_create(const duet_point_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_point_query_def", err))
+    if (!error_def(def && def->cookie == COOKIE, "query", "duet_default_point_query_def", err))
         return NULL;
     const any_query_def any = {.name = {.item = QUERY_POINTS, .nearest = def->nearest},
                                .filter = def->filter};

@@ -123,7 +123,7 @@ const query_kinds ray_kinds = {
 duet_ray_query *duet_ray_query_create(const duet_ray_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_ray_query_def", err))
+    if (!error_def(def && def->cookie == COOKIE, "query", "duet_default_ray_query_def", err))
         return NULL;
     const any_query_def any = {.name = {.item = QUERY_RAYS, .wants = def->wants},
                                .normals = def->normals,

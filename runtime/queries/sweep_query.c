@@ -155,7 +155,7 @@ const query_kinds sweep_kinds = {
 duet_sweep_query *duet_sweep_query_create(const duet_sweep_query_def *def, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!tree_query_check_def(def && def->cookie == COOKIE, "duet_default_sweep_query_def", err))
+    if (!error_def(def && def->cookie == COOKIE, "query", "duet_default_sweep_query_def", err))
         return NULL;
     const any_query_def any = {.name = {.item = QUERY_SWEEPS, .wants = def->wants},
                                .filter = def->filter};

@@ -33,13 +33,9 @@ static bool check_origin(const duet_tree_def *def, duet_error *err)
 
 static bool check_def(const duet_tree_def *def, duet_error *err)
 {
-    if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the tree's def does not come from duet_default_tree_def");
-    if (!def->pair)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the tree's def has no device pair");
-    if (def->dims != 2 && def->dims != 3)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", def->dims);
+    if (!error_def(def && def->cookie == COOKIE, "tree", "duet_default_tree_def", err) ||
+        !error_def_pair(def->pair, "tree", err) || !error_def_dims(def->dims, err))
+        return false;
     if ((unsigned)def->shape >= DUET_SHAPES)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
                          (int)def->shape);

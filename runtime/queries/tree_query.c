@@ -41,12 +41,6 @@ static const binding side_bindings[] = {BIND_BUFFER(query_side, "items", "float 
 
 // ---------------------------------------------------------------- def
 
-bool tree_query_check_def(bool is_ours, const char *maker, duet_error *err)
-{
-    return is_ours ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def does not come from %s", maker);
-}
-
 static bool check_def(const duet_tree *tree, const any_query_def *def, duet_error *err)
 {
     const query_name *name = &def->name;

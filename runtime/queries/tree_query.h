@@ -119,9 +119,6 @@ typedef struct tree_query {
         },                                                                \
     }
 
-// BAD_ARGUMENT unless the def of a public query comes from its maker.
-bool tree_query_check_def(bool is_ours, const char *maker, duet_error *err);
-
 // Builds the kernel of the kind that the tree's shape has. BAD_ARGUMENT without a tree, and for a
 // def that no query can have.
 tree_query *tree_query_create(duet_tree *tree, const query_kinds kinds, const any_query_def *def,

@@ -38,9 +38,7 @@ duet_task_file *duet_task_file_load(const char *path, const duet_setting *settin
 
 static bool check_cookie(const duet_task_def *def, duet_error *err)
 {
-    return (def && def->cookie == COOKIE) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "the task's def does not come from duet_default_task_def");
+    return error_def(def && def->cookie == COOKIE, "task", "duet_default_task_def", err);
 }
 
 static task *describe(const duet_task_def *def, task_use use, const char *call, duet_error *err)

@@ -176,17 +176,24 @@ static uint64_t find_wrong(const task *t, const task_values *found, const task_v
     return from;
 }
 
-bool task_check(const task *t, const task_arg *arg, const task_values *found, duet_error *err)
+bool task_check_bytes(const task *t, const task_arg *arg, const task_values *found, size_t from,
+                      size_t to, duet_error *err)
 {
     enum { BLOCK = 1024 };
     const task_values *expected = &arg->expected;
-    if (memcmp(found->bytes, expected->bytes, found->size) == 0)
+    const size_t bytes = task_scalar_bytes(found->scalar);
+    if (memcmp((char *)found->bytes + from, (char *)expected->bytes + from, to - from) == 0)
         return true;
-    for (uint64_t from = 0, to; from < found->n; from = to) {
-        to = found->n - from > BLOCK ? from + BLOCK : found->n;
-        uint64_t wrong = find_wrong(t, found, expected, from, to);
-        if (wrong < to)
+    for (uint64_t i = from / bytes, next; i < to / bytes; i = next) {
+        next = to / bytes - i > BLOCK ? i + BLOCK : to / bytes;
+        uint64_t wrong = find_wrong(t, found, expected, i, next);
+        if (wrong < next)
             return tell_wrong(t, arg, found, wrong, err);
     }
     return true;
+}
+
+bool task_check(const task *t, const task_arg *arg, const task_values *found, duet_error *err)
+{
+    return task_check_bytes(t, arg, found, 0, found->size, err);
 }

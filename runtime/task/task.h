@@ -87,18 +87,20 @@ typedef struct duet_task_file {
     task_kernel *kernels; // [n_kernels] that the task brings with it
     uint32_t n_kernels;
     char kernel[GEN_NAME];
-    char entry[GEN_NAME];        // of the kernel
-    char reference[GEN_NAME];    // a kernel that finds what is right; empty: the arrays expect it
-    int kernel_line;             // of the file, that names it; 0: not known
+    char entry[GEN_NAME];     // of the kernel
+    char reference[GEN_NAME]; // a kernel that finds what is right; empty: the arrays expect it
+    int kernel_line;          // of the file, that names it; 0: not known
     int reference_line;
     char key[TASK_KEY];          // what tells the task from others of its kernel: "bins=64"
     task_arg args[GEN_MAX_ARGS]; // by name
     uint32_t n_args;
     uint64_t items;
-    uint64_t size;    // key.n, or items
-    uint64_t work;    // work-units of an item
-    uint64_t wide;    // of these side by side, the others above each other
-    double tolerance; // by the greater of 1 and the expected value; 0: exact
+    uint64_t size;        // key.n, or items
+    uint64_t work;        // work-units of an item
+    uint64_t wide;        // of these side by side, the others above each other
+    char checked_on[256]; // the device B of whose tuning what is right was found, and guards were
+                          // set
+    double tolerance;     // by the greater of 1 and the expected value; 0: exact
 } task;
 
 // Reads the file with these parameters set. BAD_INPUT names file and field, BAD_ARGUMENT a
@@ -132,5 +134,9 @@ bool task_arg_is_written(const task_arg *arg);
 // Compares the array with what is expected. WRONG_RESULT names the first item that is wrong, both
 // values and the bound.
 bool task_check(const task *t, const task_arg *arg, const task_values *found, duet_error *err);
+
+// The same of its bytes [from, to).
+bool task_check_bytes(const task *t, const task_arg *arg, const task_values *found, size_t from,
+                      size_t to, duet_error *err);
 
 #endif

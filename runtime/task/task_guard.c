@@ -118,6 +118,7 @@ static bool run_guarded(work_side *w)
     ok = ok && each(s, list, look, &w->err);
     duet_error late = {0};
     timeline_finish(&s->side.times, &late);
+    s->guarded_ms = timeline_kernel_ms(&s->side.times);
     for (uint32_t i = 0; i < GEN_MAX_ARGS; ++i) {
         if (list[i].array)
             clReleaseMemObject(list[i].array);

@@ -8,6 +8,7 @@
 #include "runtime/task/task_launcher.h"
 #include "runtime/task/task_reference.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,14 +55,37 @@ static void reset_results(task_launcher *l)
     }
 }
 
-// An array that is only written gets bytes that no launch leaves by chance, so that an earlier
-// launch's results are never taken for this one's.
-static void spoil_results(task_launcher *l)
+// The bytes of a written array that belong to a side's items. A sum belongs to the side that has
+// the last item.
+static void written_range(const task_side *s, uint32_t i, size_t *from, size_t *to)
+{
+    const task *t = s->launcher->task;
+    const work_side *b = &s->launcher->sides[1].side;
+    bool is_others = t->args[i].access == TASK_SUM && &s->side != b && b->first < b->last;
+    *from = *to = 0;
+    if (s->side.first < s->side.last && !is_others)
+        task_arg_range(&t->args[i], t->items, s->side.first, s->side.last, from, to);
+}
+
+// An array that is read, too, holds again what it does before a launch. One that is only written
+// gets bytes that no launch leaves by chance, so that an earlier launch's results are never taken
+// for this one's.
+static void reset_side(task_side *s)
 {
     enum { UNWRITTEN = 0xA5 };
-    for (uint32_t i = 0; i < l->task->n_args; ++i)
-        if (l->task->args[i].is_array && l->task->args[i].access == TASK_OUT)
-            memset(l->results[i].bytes, UNWRITTEN, l->results[i].size);
+    task_launcher *l = s->launcher;
+    for (uint32_t i = 0; i < l->task->n_args; ++i) {
+        const task_arg *arg = &l->task->args[i];
+        size_t from, to;
+        if (!arg->is_array || (arg->access != TASK_IN_OUT && arg->access != TASK_OUT))
+            continue;
+        char *bytes = l->results[i].bytes;
+        written_range(s, i, &from, &to);
+        if (arg->access == TASK_IN_OUT)
+            memcpy(bytes + from, (const char *)arg->initial.bytes + from, to - from);
+        else
+            memset(bytes + from, UNWRITTEN, to - from);
+    }
 }
 
 static void add(task_values *to, const task_values *a, const task_values *b)
@@ -103,9 +127,12 @@ static void merge_results(task_launcher *l)
 bool task_launch_check(task_launcher *l, duet_error *err)
 {
     bool ok = true;
-    for (uint32_t i = 0; ok && i < l->task->n_args; ++i)
-        ok = !task_arg_is_written(&l->task->args[i]) ||
-             task_check(l->task, &l->task->args[i], &l->results[i], err);
+    for (uint32_t i = 0; i < l->task->n_args; ++i)
+        for (int side = 0; ok && task_arg_is_written(&l->task->args[i]) && side < 2; ++side) {
+            size_t from, to;
+            written_range(&l->sides[side], i, &from, &to);
+            ok = task_check_bytes(l->task, &l->task->args[i], &l->results[i], from, to, err);
+        }
     return ok;
 }
 
@@ -212,15 +239,27 @@ bool task_launch_unchecked(task_launcher *l, const duet_plan *plan, task_result 
            run(l, share_of(l, plan), result, err);
 }
 
-void task_launch_reset(task_launcher *l)
+void task_launch_reset(task_launcher *l, const duet_plan *plan)
 {
-    reset_results(l);
-    spoil_results(l);
+    l->work.share = share_of(l, plan);
+    shared_work_divide(&l->work, l->task->items);
+    reset_side(&l->sides[0]);
+    reset_side(&l->sides[1]);
+}
+
+void task_launcher_set_part(task_launcher *l, uint32_t part)
+{
+    l->work.part = part;
+}
+
+double task_launcher_estimate_ms(const task_launcher *l)
+{
+    return has_sum(l->task) ? 0 : l->estimate_ms;
 }
 
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err)
 {
-    task_launch_reset(l);
+    task_launch_reset(l, plan);
     return task_launch_unchecked(l, plan, result, err) && task_launch_check(l, err);
 }
 
@@ -229,7 +268,7 @@ bool task_launch_train(task_launcher *l, const duet_plan *plan, uint32_t n, duet
     task_result result;
     bool ok = true;
     for (uint32_t i = 0; ok && i < n; ++i) {
-        task_launch_reset(l);
+        task_launch_reset(l, plan);
         ok = budget_check(err) && task_launch_unchecked(l, plan, &result, err);
     }
     return ok && task_launch_check(l, err);
@@ -347,7 +386,10 @@ task_launcher *task_launcher_open_unchecked(task *t, duet_device_pair *pair, due
 task_launcher *task_launcher_open(task *t, duet_device_pair *pair, duet_error *err)
 {
     task_launcher *l = task_launcher_open_unchecked(t, pair, err);
-    if (l && task_guard_check(l, l->work.share, err) && run_reference(l, err))
+    bool ok = l && task_guard_check(l, l->work.share, err);
+    if (ok)
+        l->estimate_ms = fmax(l->sides[0].guarded_ms, l->sides[1].guarded_ms);
+    if (ok && run_reference(l, err))
         return l;
     task_launcher_close(l);
     return NULL;

@@ -32,8 +32,15 @@ void task_launcher_close(task_launcher *l); // NULL does nothing
 // says before each launch; what that takes does not count. WRONG_RESULT as task_check.
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err);
 
+// From now on a launch does only that part, of DUET_SHARE_ONE, of each device's items, the first
+// ones, and what is reset and checked is theirs.
+void task_launcher_set_part(task_launcher *l, uint32_t part);
+
+// About how long all of the work takes both devices; 0: a part of it cannot be checked.
+double task_launcher_estimate_ms(const task_launcher *l);
+
 // The parts of task_launch before and behind the launch.
-void task_launch_reset(task_launcher *l);
+void task_launch_reset(task_launcher *l, const duet_plan *plan);
 bool task_launch_check(task_launcher *l, duet_error *err);
 
 // The same with arrays as they are, and unchecked. An array that is read and written goes on from

@@ -26,6 +26,7 @@ typedef struct task_side {
     buffer buffers[GEN_MAX_ARGS];      // the arrays, each all of it
     task_way ways[GEN_MAX_ARGS];       // of the arrays
     task_values partial[GEN_MAX_ARGS]; // a device's sum
+    double guarded_ms;                 // that its kernel took between guards
 } task_side;
 
 // A buffer of the caller's that an array lies in.
@@ -41,6 +42,7 @@ struct task_launcher {
     task_side sides[2];
     task_values results[GEN_MAX_ARGS]; // what a launch wrote, and writes go on from
     task_bound bound[GEN_MAX_ARGS];
+    double estimate_ms; // about how long all of the work takes; 0: not known
 };
 
 // The host's copy of an array: what a launch sends, or has written.

@@ -153,7 +153,7 @@ static void make_hostile(const char *path, const char *name)
     }
     text_add(&sql, "UPDATE profile SET terms = '{\"x\":1},\"evil\":{\"a\":2}';"
                    "UPDATE trial SET terms = '{broken}';"
-                   "UPDATE session SET options = '{} , {}', search_state = '{\"a\":}';");
+                   "UPDATE session SET options = '{} , {}';");
     test_store_run(path, text_chars(&sql));
 }
 

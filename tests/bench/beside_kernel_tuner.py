@@ -126,16 +126,13 @@ ROUNDS = 7
 
 def measure_both(both, params, run):
     """How much longer the second choice takes than the first, in each round: by the least of a round's times."""
-    def wanted(p):
-        return any(all(p[key] == r[key] for key in params) for r in both)
-
-    def time_of(results, r):
-        return min(next(x["times"] for x in results if all(x[key] == r[key] for key in params)))
+    def time_of(r):
+        return min(run({key: [r[key]] for key in params})[0]["times"])
 
     beyond = []
     for _ in range(ROUNDS):
-        results = run(wanted)
-        beyond.append(100 * (time_of(results, both[1]) / time_of(results, both[0]) - 1))
+        first, second = map(time_of, both)
+        beyond.append(100 * (second / first - 1))
     return sorted(beyond)
 
 
@@ -145,12 +142,11 @@ def compare(duet, selector, platform, device, name):
     units, args, group = make(n)
     text, defaults = split_source(run_duet(duet, "source", name, "--device", selector), params)
 
-    def run(restrictions):
-        return kernel_tuner.tune_kernel(name, text, units, args, params, grid_div_x=[group], block_size_names=["WG"],
-                                        restrictions=restrictions, lang="OpenCL", platform=platform, device=device,
-                                        iterations=9, quiet=True)[0]
+    def run(space):
+        return kernel_tuner.tune_kernel(name, text, units, args, space, grid_div_x=[group], block_size_names=["WG"],
+                                        lang="OpenCL", platform=platform, device=device, iterations=9, quiet=True)[0]
 
-    results = run(None)
+    results = run(params)
     times = [r for r in results if isinstance(r["time"], float)]
     best = min(times, key=lambda r: r["time"])
     chosen, launches = tune_by_duet(duet, selector, name, n, defaults)

@@ -115,25 +115,36 @@ static void exchange_and_push(duet_motion *m, uint64_t id)
     push(m, UINT64_C(1) << 32 | id);
 }
 
-// Records STEPS steps of a scene, in which a command comes before step `at`; NULL: none comes.
-static void record(const char *scene_path, const char *path, command *give, uint32_t at,
-                   uint64_t id)
+// Records steps of a scene, in which a command comes before step `at`; NULL: none comes. Keeps the
+// state's hash before and after each step in hashes [steps + 1], if that is not NULL.
+static void record_long(const char *scene_path, const char *path, uint32_t steps, command *give,
+                        uint32_t at, uint64_t id, uint64_t *hashes)
 {
     duet_scene *scene = must(duet_scene_load(scene_path, NULL, 0, ERR));
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     duet_motion *m = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
     must(duet_motion_record(m, ERR));
-    while (duet_motion_get_step(m) < STEPS) {
+    while (duet_motion_get_step(m) < steps) {
         duet_motion_result result;
+        if (hashes)
+            must(duet_motion_get_hash(m, &hashes[duet_motion_get_step(m)], ERR));
         if (give && duet_motion_get_step(m) + 1 == at) {
             give(m, id);
             give = NULL;
         }
         must(duet_motion_advance(m, &result, ERR));
     }
+    if (hashes)
+        must(duet_motion_get_hash(m, &hashes[steps], ERR));
     must(duet_motion_save_recording(m, path, ERR));
     duet_motion_destroy(m);
     duet_scene_destroy(scene);
+}
+
+static void record(const char *scene_path, const char *path, command *give, uint32_t at,
+                   uint64_t id)
+{
+    record_long(scene_path, path, STEPS, give, at, id, NULL);
 }
 
 // Fails the test unless runs of PLAIN and ALTERED differ, as a line on stderr says it.
@@ -251,6 +262,120 @@ TEST(json_has_what_the_line_says)
     cJSON_Delete(o);
 }
 
+// ---------------------------------------------------------------- bisection
+
+#define SLIDING "test_verify.sliding.lua"
+#define HASHES "test_verify.hashes.lua"
+
+// Boxes that slide for 300 steps, and a heap behind them, in which bodies 41 and on lie on others.
+static const char sliding_text[] =
+    "add { centre = { 0, 0, -1 }, half_extents = { 90, 60, 1 }, mass = 0, friction = 0.02 }\n"
+    "for i = 1, 24 do\n"
+    "  add { centre = { i % 6 * 4, i // 6 * 4, 0.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
+    "        velocity = { 1, 0, 0 }, friction = 0.02 }\n"
+    "end\n"
+    "for i = 0, 31 do\n"
+    "  add { centre = { -20 - i % 4 * 1.01, i // 4 % 4 * 1.01, i // 16 * 1.02 + 0.52 },\n"
+    "        half_extents = { 0.5, 0.5, 0.5 }, friction = 0.5 }\n"
+    "end\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, skin = 0.1 }\n";
+
+static const char hashes_text[] = "local duet = require 'duet'\n"
+                                  "local pair <close> = assert(duet.device_pair(arg[1]))\n"
+                                  "local scene <close> = assert(duet.scene '" SLIDING "')\n"
+                                  "local motion <close> = assert(pair:motion(scene))\n"
+                                  "for _ = 1, arg[2] do\n"
+                                  "  assert(motion:advance())\n"
+                                  "  print(motion:hash())\n"
+                                  "end\n";
+
+// A kernel that is wrong on halves of the CPU.
+typedef struct wrong_kernel {
+    const char *from, *to;
+    const char *says; // stage and body
+} wrong_kernel;
+
+static const wrong_kernel wrong_kernels[] = {
+    {"velocities[id].xyz = convert_real4(velocity).xyz;",
+     "velocities[id].xyz = convert_real4(velocity).xyz;"
+     "if ((id == 9 || id == 15) && centre.x > 13.1f) velocities[id].y += 0.0001f;",
+     "solver, body 9: velocity.y is "},
+    {": point.w;", ": point.w - (link.x == 11 && s->centres[link.x].x > 21.77f ? 0.00001f : 0.0f);",
+     "manifolds, body 11: separation with body 0 is "},
+    {"k ^= k >> 13;", "k = ~(k ^ k >> 13);", "colours, body "},
+};
+
+enum { FAR = 160, WRONG = sizeof wrong_kernels / sizeof wrong_kernels[0] };
+
+// The kernel is wrong in that context and later ones.
+static const char *variables_of(const wrong_kernel *w, int context)
+{
+    static char variables[640];
+    snprintf(variables, sizeof variables,
+             "DUET_CACHE=off ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" TEST_WRONG
+             " WRONG_CONTEXT=%d WRONG_FROM='%s' WRONG_TO='%s'",
+             context, w->from, w->to);
+    return variables;
+}
+
+// The step whose hash differs first, of both runs from their first step on.
+static uint32_t find_step(const wrong_kernel *w)
+{
+    program right = program_done(program_run("lua --trust " HASHES " cpu %d", FAR));
+    program wrong =
+        program_done(program_run_with(variables_of(w, 0), "lua --trust " HASHES " halves %d", FAR));
+    for (uint32_t i = 0; i < FAR; ++i)
+        if (memcmp(right.out + 17 * i, wrong.out + 17 * i, 17) != 0)
+            return i + 1;
+    fail_msg("%s: nothing is wrong", w->to);
+    return 0;
+}
+
+static cJSON *verify(const wrong_kernel *w, const char *how, char says[static 160])
+{
+    program p = program_run_with(variables_of(w, 1),
+                                 "verify " SLIDING " --steps %d --pair cpu --other-pair halves "
+                                 "--other-share 0.5 --other-mode slab --json %s",
+                                 FAR, how);
+    cJSON *o = cJSON_Parse(p.out);
+    if (p.exit_code != 1 || !o)
+        fail_msg("%s: status %d: %s%s", how, p.exit_code, p.out, p.err);
+    snprintf(says, 160, "%s", p.err);
+    return o;
+}
+
+// Halves of an interval are an interval: besides the steps up to where it is seen no more are taken
+// than the interval has.
+TEST(a_wrong_kernel_is_found_at_its_step_stage_and_body)
+{
+    test_write_file(SLIDING, sliding_text);
+    test_write_file(HASHES, hashes_text);
+    for (int i = 0; i < WRONG; ++i) {
+        const wrong_kernel *w = &wrong_kernels[i];
+        char line[160], says[160];
+        const uint32_t step = find_step(w), every = 64;
+        cJSON *o = verify(w, "", line);
+        snprintf(says, sizeof says, "different: step %u, %s", step, w->says);
+        if (!strstr(line, says))
+            fail_msg("expected '%s': %s", says, line);
+        const double taken = cJSON_GetObjectItem(o, "steps_taken")->valuedouble;
+        const uint32_t seen = (step + every - 1) / every * every;
+        assert_true(taken <= seen + every + 1);
+        cJSON_Delete(o);
+    }
+}
+
+TEST(any_interval_finds_what_step_by_step_comparison_finds)
+{
+    static const char *const hows[] = {"--every 7", "--every 63", "--every 1000"};
+    char expected[160], line[160];
+    cJSON_Delete(verify(&wrong_kernels[0], "--every 1", expected));
+    for (size_t i = 0; i < sizeof hows / sizeof hows[0]; ++i) {
+        cJSON_Delete(verify(&wrong_kernels[0], hows[i], line));
+        assert_string_equal(line, expected);
+    }
+}
+
 // ---------------------------------------------------------------- hostile
 
 static void forge(text *file, size_t at, char by, size_t length, bool summed)
@@ -298,6 +423,105 @@ TEST(a_recorded_hash_that_differs_is_told_last)
     assert_non_null(strstr(p.err, "at the end; expected the recorded"));
     forge(&file, 32, 1, file.length, true);
     assert_refused("recorded from step 0, 25 places and the state hash");
+}
+
+// ---------------------------------------------------------------- kept hashes
+
+enum { LONG = 100, HEAD = 40, RECORD = 16, HASH_KIND = 254 };
+
+// Where the hashes of a recording without commands lie, as docs/formats.md has it: behind so many
+// steps each.
+#define HASH_AT(which) (HEAD + (which) * (2 * RECORD + sizeof(uint64_t)) + 2 * RECORD)
+
+TEST(a_recording_keeps_the_hash_of_each_32nd_step)
+{
+    uint64_t hashes[LONG + 1];
+    record_long(SCENE, PLAIN, LONG, NULL, 0, 0, hashes);
+    own(text) file = test_read_file(PLAIN);
+    assert_int_equal(file.length, HEAD + 3 * (2 * RECORD + 8) + RECORD + 2 * 8);
+    for (uint32_t i = 0; i < 3; ++i) {
+        uint32_t steps[4], kind[4];
+        memcpy(steps, file.chars + HASH_AT(i) - 2 * RECORD, sizeof steps);
+        memcpy(kind, file.chars + HASH_AT(i) - RECORD, sizeof kind);
+        assert_true(steps[0] == 0 && steps[1] == 32 && kind[0] == HASH_KIND && kind[1] == 1);
+        assert_memory_equal(file.chars + HASH_AT(i), &hashes[32 * (i + 1)], 8);
+    }
+    program p = program_done(program_run("verify " SCENE " --replay " PLAIN));
+    assert_ptr_equal(strstr(p.out, "equal: 100 steps, 25 bodies"), p.out);
+}
+
+static void assert_parts(const char *arguments, const char *says)
+{
+    program p = program_run("%s", arguments);
+    if (p.exit_code != 1 || !strstr(p.err, says) ||
+        strchr(p.err, '\n') != p.err + strlen(p.err) - 1)
+        fail_msg("%s: status %d, expected '%s': %s", arguments, p.exit_code, says, p.err);
+}
+
+// A push of body 7 before step `at` differs from the recorded one.
+TEST(a_replay_ends_at_the_first_kept_hash_that_differs)
+{
+    static const struct {
+        uint32_t at;
+        const char *says;
+    } cases[] = {
+        {1, " at step 32; expected the recorded "},
+        {33, "; the first step that differs is one of 33 to 64\n"},
+        {64, "; the first step that differs is one of 33 to 64\n"},
+        {65, "; the first step that differs is one of 65 to 96\n"},
+        {97, "; the first step that differs is one of 97 to 100\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        record_long(SCENE, PLAIN, LONG, push, cases[i].at, 7, NULL);
+        own(text) file = test_read_file(PLAIN);
+        const float was = 2, is = 2.5f;
+        char *impulse = file.chars;
+        while (memcmp(impulse, &was, sizeof was) != 0)
+            ++impulse;
+        memcpy(impulse, &is, sizeof is);
+        forge(&file, 0, 0, file.length, true);
+        assert_parts("verify " SCENE " --replay " ALTERED, cases[i].says);
+        assert_parts("run " SCENE " --steps 100 --replay " ALTERED, cases[i].says);
+    }
+}
+
+TEST(a_kept_hash_that_was_altered_ends_the_replay)
+{
+    record_long(SCENE, PLAIN, LONG, NULL, 0, 0, NULL);
+    own(text) file = test_read_file(PLAIN);
+    forge(&file, HASH_AT(1), 1, file.length, true);
+    program p = program_run("verify " SCENE " --replay " ALTERED);
+    assert_int_equal(p.exit_code, 1);
+    assert_ptr_equal(strstr(p.out, "equal: 64 steps"), p.out);
+    assert_non_null(strstr(p.err, "at step 64; expected the recorded"));
+}
+
+// A hash comes behind steps, and is one of 8 bytes.
+TEST(kept_hashes_of_another_form_are_refused)
+{
+    static const struct {
+        size_t at;
+        char by;
+    } forged[] = {
+        {HEAD, (char)HASH_KIND},  // a hash of the start, of 32
+        {HEAD + RECORD, 1},       // the ground's kind
+        {HEAD + RECORD + 4, 3},   // two hashes
+        {HEAD + RECORD + 8, 1},   // fields
+        {HEAD + RECORD + 12, 1},  // what is unused
+        {HASH_AT(0) + 8 + 4, 32}, // no steps
+    };
+    record_long(SCENE, PLAIN, LONG, NULL, 0, 0, NULL);
+    own(text) file = test_read_file(PLAIN);
+    for (size_t i = 0; i < sizeof forged / sizeof forged[0]; ++i) {
+        forge(&file, forged[i].at, forged[i].by, file.length, true);
+        assert_refused("the recording is cut short or damaged");
+    }
+    own(text) twice = {0};
+    text_add_bytes(&twice, file.chars, HASH_AT(0) + 8);
+    text_add_bytes(&twice, file.chars + HASH_AT(0) - RECORD, RECORD + 8);
+    text_add_bytes(&twice, file.chars + HASH_AT(0) + 8, file.length - HASH_AT(0) - 8);
+    forge(&twice, 0, 0, twice.length, true);
+    assert_refused("the recording is cut short or damaged");
 }
 
 TEST(wrong_command_lines_are_refused)

@@ -272,8 +272,11 @@ end)
 facts.holds("what is there is what lua/api.lua lists", function()
   local cluster <close> = assert(duet.cluster { plain = true })
   assert(cluster:load_scene("paper", { n = 20 }))
+  local moving <close> = assert(duet.cluster())
+  assert(moving:begin_motion("falling", { n = 20 }))
   local objects = {
     Cluster = cluster, ClusterResult = assert(cluster:step()), ClusterRank = assert(cluster:ranks())[1],
+    ClusterMotionResult = assert(moving:advance()),
   }
   local names = {}
   for _, row in ipairs(dofile(facts.root .. "/lua/api.lua").names) do

@@ -215,6 +215,21 @@ TEST(another_state_than_the_recorded_one_is_told_by_ranks)
         "rough.replay: recorded from step 0, 27 places and the state hash ");
 }
 
+TEST(ranks_end_at_the_first_kept_hash_that_differs)
+{
+    skip_without_mpi();
+    write_sliding("rough.lua", 0.5);
+    write_sliding("smooth.lua", 0.4);
+    program_run("run rough.lua --steps 70 --record rough.replay");
+    program_assert_refused(
+        program_run("cluster smooth.lua --steps 70 --replay rough.replay --ranks 2"), 1,
+        "; the first step that differs is one of 1 to 32");
+    program_assert_refused(
+        program_run("cluster smooth.lua --steps 70 --replay rough.replay --check --ranks 2"), 1,
+        "; the first step that differs is one of 1 to 32");
+    program_done(program_run("cluster rough.lua --steps 70 --replay rough.replay --ranks 3"));
+}
+
 // ---------------------------------------------------------------- how often ghosts come
 
 static cJSON *move(const char *variables, const char *arguments)

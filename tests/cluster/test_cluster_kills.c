@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // duet cluster --steps, --checkpoint and --resume as a person runs them: a job of which any rank is
-// killed, at any moment, ends soon with one line, and the same command goes on bit for bit. --all:
-// far more kills. Skipped if Duet was built without MPI.
+// killed, or which is asked to stop, at any moment, ends soon with one line, and the same command
+// goes on bit for bit. --all: far more kills. Skipped if Duet was built without MPI.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
 #include "support/program.h"
@@ -22,6 +22,7 @@
 #define KEPT " --every 3 --checkpoint " SAVED " --resume " SAVED
 
 enum { SAVED_EVERY = 3, KILLS = 2, KILLS_OF_ALL = 50, MOST_RANKS = 5, PAUSE_MS = 5 };
+enum { STOPS = 4, STOPS_OF_ALL = 20 };
 
 // A job that has not ended by then hangs; a quiet machine is to see its end sooner.
 enum { HANGS_S = 60, SOON_S = 5 };
@@ -102,12 +103,33 @@ static bool has_ended(pid_t job, int *status)
     return ended == job;
 }
 
-// Kills one of the ranks once all are there, after so many ms of them. Returns false if the job was
-// done before.
-static bool kill_one(pid_t job, int n_ranks, rng *r, uint64_t after_ms, int *status)
+// Whether a process has a handler of SIGTERM: a rank that has not would be ended by it.
+static bool hears(pid_t process)
 {
-    pid_t ranks[MOST_RANKS];
-    while (ranks_of(job, ranks) < n_ranks) {
+    char path[64], line[128];
+    unsigned long long caught = 0;
+    snprintf(path, sizeof path, "/proc/%ld/status", (long)process);
+    FILE *f = fopen(path, "r");
+    while (f && fgets(line, sizeof line, f))
+        sscanf(line, "SigCgt: %llx", &caught);
+    if (f)
+        fclose(f);
+    return caught >> (SIGTERM - 1) & 1;
+}
+
+static bool all_hear(pid_t job, int n_ranks, pid_t ranks[MOST_RANKS])
+{
+    bool all = ranks_of(job, ranks) >= n_ranks;
+    for (int i = 0; all && i < n_ranks; ++i)
+        all = hears(ranks[i]);
+    return all;
+}
+
+// Waits until all ranks are there, and so many ms more. Returns false if the job was done before.
+static bool wait_for(pid_t job, int n_ranks, uint64_t after_ms, pid_t ranks[MOST_RANKS],
+                     int *status)
+{
+    while (!all_hear(job, n_ranks, ranks)) {
         if (has_ended(job, status))
             return false;
         pause_ms(PAUSE_MS);
@@ -117,7 +139,26 @@ static bool kill_one(pid_t job, int n_ranks, rng *r, uint64_t after_ms, int *sta
             return false;
         pause_ms(PAUSE_MS);
     }
-    return kill(ranks[rng_below(r, (uint32_t)n_ranks)], SIGKILL) == 0;
+    return true;
+}
+
+// Returns how long a job goes on from now.
+static double time_end(pid_t job, int *status)
+{
+    uint64_t asked = clock_steady_ns();
+    while (!has_ended(job, status) && clock_ms_since(asked) < 1e3 * HANGS_S)
+        pause_ms(PAUSE_MS);
+    double took_s = 1e-3 * clock_ms_since(asked);
+    if (took_s >= HANGS_S)
+        kill(job, SIGKILL);
+    assert_true(took_s < (asks_all ? SOON_S : HANGS_S));
+    return took_s;
+}
+
+static void wait_for_end(pid_t job, int *status)
+{
+    while (!WIFEXITED(*status) && !has_ended(job, status))
+        pause_ms(PAUSE_MS);
 }
 
 // Lines of mpirun itself pass through; they begin with "[", as [warn] of libevent or [HOST:PID].
@@ -141,19 +182,13 @@ static void must_say_one_line(void)
 static double run_and_kill(const char *arguments, int n_ranks, rng *r, uint64_t after_ms)
 {
     int status = 0;
-    pid_t job = program_start(SAYS, arguments);
-    if (!kill_one(job, n_ranks, r, after_ms, &status)) {
-        while (!WIFEXITED(status) && !has_ended(job, &status)) // its ranks have ended
-            pause_ms(PAUSE_MS);
+    pid_t ranks[MOST_RANKS], job = program_start(SAYS, arguments);
+    if (!wait_for(job, n_ranks, after_ms, ranks, &status) ||
+        kill(ranks[rng_below(r, (uint32_t)n_ranks)], SIGKILL) != 0) {
+        wait_for_end(job, &status); // its ranks have ended
         return -1;
     }
-    uint64_t killed = clock_steady_ns();
-    while (!has_ended(job, &status) && clock_ms_since(killed) < 1e3 * HANGS_S)
-        pause_ms(PAUSE_MS);
-    double took_s = 1e-3 * clock_ms_since(killed);
-    if (took_s >= HANGS_S)
-        kill(job, SIGKILL);
-    assert_true(took_s < (asks_all ? SOON_S : HANGS_S));
+    double took_s = time_end(job, &status);
     assert_true(WIFEXITED(status));
     if (WEXITSTATUS(status) == 0)
         return -1; // it had written all that it was to
@@ -194,6 +229,61 @@ TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
     get_hash(whole, hash, &steps);
     assert_string_equal(hash, right);
     assert_true(steps <= STEPS && (STEPS - (int)steps) % SAVED_EVERY == 0); // from a checkpoint
+    remove(SAVED);
+    remove(SAYS);
+}
+
+// ---------------------------------------------------------------- jobs that are asked to stop
+
+// Sends a signal to the program or to its mpirun. Returns how long the job went on; -1: it was done
+// before. A program that was stopped ends by that signal, or by SIGINT if another process was
+// asked.
+static double run_and_stop(const char *arguments, int n_ranks, uint64_t after_ms, int number,
+                           bool to_mpirun)
+{
+    int status = 0;
+    pid_t ranks[MOST_RANKS], mpirun[MOST_RANKS], job = program_start(SAYS, arguments);
+    if (!wait_for(job, n_ranks, after_ms, ranks, &status) || children_of(job, mpirun) == 0 ||
+        kill(to_mpirun ? mpirun[0] : job, number) != 0) {
+        wait_for_end(job, &status);
+        return -1;
+    }
+    double took_s = time_end(job, &status);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return -1;
+    own(text) says = test_read_file(SAYS);
+    assert_string_equal(text_chars(&says), "duet: stopped\n");
+    assert_true(WIFSIGNALED(status));
+    assert_int_equal(WTERMSIG(status), to_mpirun ? SIGINT : number);
+    return took_s;
+}
+
+TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
+{
+    skip_without_mpi();
+    char right[32], hash[32], job[320];
+    double steps, slowest_s = 0;
+    int n_stopped = 0, stops = asks_all ? STOPS_OF_ALL : STOPS;
+    rng r = rng_seed(test_seed());
+    get_hash("run " SCENE " --steps 30 --json", right, &steps);
+    const uint64_t begun = clock_steady_ns();
+    remove(SAVED);
+    get_hash("cluster --ranks 3 " SCENE " --steps 30 --json" KEPT, hash, &steps);
+    const double took_ms = clock_ms_since(begun);
+    remove(SAVED);
+    while (n_stopped < stops) {
+        int n_ranks = 2 + (int)rng_below(&r, 2), number = n_stopped & 1 ? SIGTERM : SIGINT;
+        snprintf(job, sizeof job, "cluster --ranks %d " SCENE " --steps 30 --json" KEPT, n_ranks);
+        double s =
+            run_and_stop(job, n_ranks, (uint64_t)(took_ms * rng_unit(&r)), number, n_stopped & 2);
+        n_stopped += s >= 0;
+        slowest_s = s > slowest_s ? s : slowest_s;
+        if (s < 0)
+            remove(SAVED);
+    }
+    print_message("%d jobs were stopped; the slowest ended %.2f s later\n", n_stopped, slowest_s);
+    get_hash(job, hash, &steps);
+    assert_string_equal(hash, right);
     remove(SAVED);
     remove(SAYS);
 }

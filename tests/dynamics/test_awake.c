@@ -73,4 +73,42 @@ TEST(sleepers_that_lose_their_support_move_as_if_all_were_gone_over)
     assert_true(most > 4 && most < few->n / 4);
 }
 
+enum { LANES = 24 };
+
+// In each lane a ball rolls at a cube that sleeps under another one, half a meter further away than
+// in the lane before. Without a skin no step is sent whole.
+static mover *make_lanes(double skin)
+{
+    mover *m = mover_new(3);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.slop = 0.005;
+    m->def.substeps = 4;
+    m->def.skin = skin;
+    mover_add_floor(m, 60);
+    for (int lane = 0; lane < LANES; ++lane) {
+        mover_add_rough_cube(m, 0, 4 * lane - 46, 0.5);
+        mover_add_rough_cube(m, 0.1, 4 * lane - 46, 1.5);
+        uint32_t ball = mover_add(m, -3 - 0.5 * lane, 4 * lane - 45.8, 0.5, 0, 0, 0);
+        m->bodies[ball].radius = 0.5f;
+        m->bodies[ball].friction = 0.5f;
+        m->bodies[ball].velocity[0] = 2.0f;
+        m->bodies[ball].angular_velocity[1] = 4.0f;
+    }
+    return m;
+}
+
+// Contacts of a ball and of what it wakes begin in the same step, and none is coloured before the
+// others are known.
+TEST(what_wakes_while_a_step_is_sent_whole_is_solved_in_the_same_order)
+{
+    mover *whole = make_lanes(0.05), *waits = make_lanes(0.0);
+    for (uint32_t step = 0; step < 480; step += 20) {
+        mover_run(whole, 20);
+        mover_run(waits, 20);
+        assert_same_states(whole, waits, step + 20);
+    }
+    for (uint32_t lane = 0; lane < LANES; ++lane)
+        assert_true(whole->states[1 + 3 * lane].centre[0] > 0.01); // it was hit
+}
+
 TEST_MAIN(mover_open_pair, mover_close_pair)

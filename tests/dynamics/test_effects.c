@@ -657,6 +657,88 @@ TEST(a_step_like_the_last_one_waits_once)
     }
 }
 
+static uint32_t count_searches(mover *m, uint32_t steps)
+{
+    uint32_t searches = 0;
+    for (uint32_t step = 0; step < steps; ++step) {
+        step_once(m);
+        searches += m->last.rebuilt;
+    }
+    return searches;
+}
+
+// 2 000 cubes sleep in rows along x, where y is 0 or more.
+static mover *make_many_sleepers(void)
+{
+    mover *m = mover_new(3);
+    mover_add_floor(m, 100);
+    for (int i = 0; i < 2000; ++i)
+        mover_add_rough_cube(m, 1.5 * (i % 50), 1.5 * (i / 50), 0.5);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    m->def.skin = 0.05;
+    return m;
+}
+
+TEST(pairs_are_searched_seldom_where_few_are_awake)
+{
+    mover *m = make_many_sleepers();
+    uint32_t ball = mover_add(m, 0, -3, 0.5, 0, 0, 0);
+    m->bodies[ball].radius = 0.5f;
+    m->bodies[ball].friction = 0.5f;
+    m->bodies[ball].velocity[0] = 0.5f;
+    m->bodies[ball].angular_velocity[1] = 1.0f;
+    mover_run(m, 100);
+    uint32_t searches = count_searches(m, 500);
+    mover_run(m, 0);
+    assert_close(m->states[ball].centre[0], 5.0, 0.1); // it rolls on
+    if (searches > 2)
+        fail_msg("%u searches in 500 steps", searches);
+}
+
+TEST(pairs_are_searched_seldom_for_what_fell_off_the_floor)
+{
+    mover *m = make_many_sleepers();
+    uint32_t cube = mover_add_cube(m, 0, -300, 0.5, 1);
+    mover_run(m, 200);
+    uint32_t searches = count_searches(m, 200);
+    mover_run(m, 0);
+    assert_true(m->states[cube].centre[2] < -200.0);
+    if (searches > 3)
+        fail_msg("%u searches in 200 steps", searches);
+}
+
+static bool has_stage(const mover *m, const char *name)
+{
+    for (uint32_t i = 0; i < m->last.n_stages; ++i)
+        if (strcmp(m->last.stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+// The cubes fly past each other so fast that each step searches pairs. The second one comes near
+// later on.
+TEST(rows_without_contacts_are_made_once)
+{
+    mover *m = mover_new(3);
+    mover_add_cube(m, 0, 0, 0, 1);
+    mover_add_cube(m, 60, 0, 0, 1);
+    m->def.wants |= DUET_EFFECT_CONTACT_RESPONSE;
+    m->def.skin = 0.001;
+    m->bodies[0].velocity[0] = 60.0f;
+    uint32_t left_out = 0, most_pairs = 0;
+    for (int step = 0; step < 80; ++step) {
+        mover_run(m, 1);
+        assert_true(m->last.rebuilt);
+        left_out += !has_stage(m, "contact_graph");
+        most_pairs = m->last.pairs > most_pairs ? m->last.pairs : most_pairs;
+        assert_true(has_stage(m, "contact_graph") || m->last.pairs == 0);
+    }
+    assert_int_equal(most_pairs, 1);
+    assert_true(left_out > 50);
+    assert_close(m->states[0].velocity[0] + m->states[1].velocity[0], 60.0, 1e-3);
+    assert_true(m->states[1].velocity[0] > 1.0f); // they met
+}
+
 TEST(what_moves_without_mass_keeps_a_step_from_resting)
 {
     mover *m = make_sleepers();

@@ -153,6 +153,29 @@ static void put_entry(void)
 
 // ---------------------------------------------------------------- motions
 
+// The same recording with a hash behind its second step, which a fuzzer reaches: the form of
+// docs/formats.md.
+static void put_hash_kept(const char *path)
+{
+    enum { HEAD = 40, RECORD = 16 };
+    const uint32_t two[4] = {0, 2}, hash[4] = {254, 1}, rest[4] = {0, 18};
+    const uint64_t value = 1;
+    duet_error err = {0};
+    text file = {0}, kept = {0};
+    require(text_read_file(&file, path, &err), &err);
+    text_add_bytes(&kept, file.chars, HEAD);
+    text_add_bytes(&kept, (const char *)two, RECORD);
+    text_add_bytes(&kept, (const char *)hash, RECORD);
+    text_add_bytes(&kept, (const char *)&value, sizeof value);
+    text_add_bytes(&kept, (const char *)rest, RECORD);
+    text_add_bytes(&kept, file.chars + HEAD + RECORD, file.length - HEAD - RECORD - 8);
+    uint64_t sum = text_checksum(kept.chars, kept.length);
+    text_add_bytes(&kept, (const char *)&sum, sizeof sum);
+    put("replay", "hash.replay", &kept);
+    text_free(&file);
+    text_free(&kept);
+}
+
 // At the start, where the boxes touch, and after a command.
 static void put_states(void)
 {
@@ -177,6 +200,7 @@ static void put_states(void)
         if (which == 0) {
             place p = place_of("replay", "0.replay");
             require(duet_motion_save_recording(m, p.chars, &err), &err);
+            put_hash_kept(p.chars);
         }
         duet_motion_destroy(m);
     }

@@ -151,6 +151,24 @@ facts.holds("every field of the list is there, and no other", function()
   check_fields("Tuning", assert(pair:tune(scene, { keep = false, repeats = 1, variants = { "auto" }, modes = { "own" } })))
 end)
 
+facts.holds("an array's row has the columns of the list", function()
+  for _, class in ipairs(api.classes) do
+    if class.columns then
+      local made <close> = duet[class[1]:match "^duet%.(%w+)$":gsub("(%l)(%u)", "%1_%2"):lower()](1)
+      facts.equal(#{ made:get(0) }, #class.columns)
+    end
+  end
+end)
+
+facts.holds("a class that the list names is in it", function()
+  local known = {}
+  for _, class in ipairs(api.classes) do known[class[1]] = true end
+  for _, row in ipairs(api.names) do
+    local types = type(row[2]) == "table" and table.concat(row[2], " ") .. " " .. (row[3] or "") or row[2]
+    for class in types:gmatch "duet%.%u%w*" do assert(known[class], row[1] .. ": " .. class) end
+  end
+end)
+
 facts.holds("the editors' definitions are Lua, and name every function", function()
   local made <close> = assert(io.popen(("lua5.4 '%s/lua/define.lua' '%s/lua/api.lua'"):format(facts.root, facts.root)))
   local text = made:read "a"

@@ -3,6 +3,7 @@
 // a model of two devices, which the look-up never sees.
 #include "support/test.h"
 
+#include "profiles/sql.h"
 #include "support/look.h"
 
 #define LEAST_N 2e3
@@ -100,16 +101,18 @@ static profile_workload workload_of(const char *family, double n)
 static void add_trial(store *s, const char *session, const truth *t, rng *r, double n,
                       profile_plan plan)
 {
-    int64_t number;
     int mode = strcmp(plan.mode, "slab") == 0 ? SLAB : OWN;
     double share = plan.share / (double)PROFILE_SHARE_ONE;
     profile_sample sample = {.total_ns = 1, .at_ns = 1};
     profile_trial trial = {.plan = plan, .outcome = "ok", .samples = &sample, .n_samples = 1};
+    trial.scope = PROFILE_SHARE_ONE;
     trial.median_ns = trial.low_ns = trial.high_ns = noisy(t, r, step_time(t, &plan, n));
     trial.a_ns = share > 0 ? noisy(t, r, part_time(t, 0, mode, n, share)) : 0;
     trial.b_ns = share < 1 ? noisy(t, r, part_time(t, 1, mode, n, 1 - share)) : 0;
     trial.terms = "{}";
-    must(profile_trial_add(s, session, &trial, "{}", &number, ERR));
+    int64_t number;
+    must(sql_find(s, "SELECT count(*) FROM trial WHERE session_id = ?", session, &number, ERR));
+    must(profile_trial_add(s, session, number, &trial, ERR));
 }
 
 // Stores what a tuning leaves: the race's medians, its interval, and the best plan of those that

@@ -160,13 +160,14 @@ TEST(a_trial_without_measurements_needs_a_reason_and_no_times)
     profile_session session = test_session(1, 1);
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
-    profile_trial trial = {.plan = test_plan(0.5), .outcome = "build", .reason = "no local memory"};
-    int64_t number = -1;
-    must(profile_trial_add(s, id, &trial, NULL, &number, ERR));
-    assert_int_equal(number, 0);
+    profile_trial trial = {.plan = test_plan(0.5),
+                           .outcome = "build",
+                           .reason = "no local memory",
+                           .scope = PROFILE_SHARE_ONE};
+    must(profile_trial_add(s, id, 0, &trial, ERR));
     assert_int_equal(test_count(s, "trial WHERE outcome = 'build' AND median_ns IS NULL"), 1);
     trial.outcome = "ok";
-    must_fail(profile_trial_add(s, id, &trial, NULL, &number, ERR), DUET_STATUS_STORE_FAILED, "");
+    must_fail(profile_trial_add(s, id, 1, &trial, ERR), DUET_STATUS_STORE_FAILED, "");
     assert_int_equal(test_count(s, "trial WHERE session_id <> ''"), 10);
 }
 

@@ -11,31 +11,45 @@
 
 // ----------------------------------------------------------------------- sessions
 
-TEST(a_stopped_session_is_resumed_with_its_state)
+TEST(a_stopped_session_is_resumed)
 {
     store *s = test_store_tuned();
     profile_session session = test_session(1, 1);
     profile_resumed resumed;
     must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE); // the tuned one is complete
-    profile_resumed_free(&resumed);
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
-    profile_sample samples[2];
-    profile_trial trial = test_trial(1000, 0.5, samples, 2);
-    int64_t number = 0;
-    must(profile_trial_add(s, id, &trial, "{\"low\":0.25}", &number, ERR));
     must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY); // this process lives
     assert_int_equal(resumed.pid, getpid());
-    profile_resumed_free(&resumed);
     must(profile_session_end(s, id, "stopped", ERR));
     must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
     assert_string_equal(resumed.id, id);
-    assert_string_equal(text_chars(&resumed.search_state), "{\"low\":0.25}");
-    assert_int_equal(resumed.trials, 1);
-    profile_resumed_free(&resumed);
+}
+
+// Trials that a resumed search did not take again are no part of it.
+TEST(a_trial_takes_the_place_of_those_from_its_number_on)
+{
+    store *s = test_store_tuned();
+    profile_session session = test_session(1, 1);
+    char id[PROFILE_ID];
+    must(profile_session_begin(s, &session, id, ERR));
+    for (int i = 0; i < 5; ++i) {
+        profile_sample samples[2];
+        profile_trial trial = test_trial(1000, i / 8.0, samples, 2);
+        must(profile_trial_add(s, id, i, &trial, ERR));
+    }
+    int64_t others = test_count(s, "trial"), launches = test_count(s, "sample");
+    profile_sample samples[3];
+    profile_trial trial = test_trial(1000, 0.75, samples, 3);
+    must(profile_trial_add(s, id, 2, &trial, ERR));
+    assert_int_equal(test_count(s, "trial"), others - 2);
+    assert_int_equal(test_count(s, "sample"), launches - 3);
+    assert_int_equal(test_count(s, "trial WHERE share = 49152 AND number = 2"), 1);
+    must(profile_trial_drop(s, id, 1, ERR));
+    assert_int_equal(test_count(s, "trial"), others - 4);
 }
 
 TEST(another_search_is_not_resumed)
@@ -52,7 +66,7 @@ TEST(another_search_is_not_resumed)
     others[3].options = "{\"launches\":17}";
     others[4].objective = "energy";
     for (int i = 0; i < 5; ++i) {
-        own(profile_resumed) resumed;
+        profile_resumed resumed;
         must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, PROFILE_CLAIM_NONE);
     }
@@ -110,7 +124,6 @@ TEST(one_process_measures_a_workload_whatever_it_asks)
         profile_resumed resumed;
         must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, i < 3 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
-        profile_resumed_free(&resumed);
     }
     // On another machine another pair is no disturbance.
     must(sql_script(s, "UPDATE session SET host = 'elsewhere'", ERR));
@@ -118,7 +131,6 @@ TEST(one_process_measures_a_workload_whatever_it_asks)
         profile_resumed resumed;
         must(profile_session_resume(s, &others[i], &resumed, ERR));
         assert_int_equal(resumed.claim, i < 2 ? PROFILE_CLAIM_BUSY : PROFILE_CLAIM_NONE);
-        profile_resumed_free(&resumed);
     }
 }
 
@@ -135,7 +147,7 @@ TEST(a_dead_owners_session_is_resumed)
         char id[PROFILE_ID];
         must(profile_session_begin(s, &session, id, ERR));
         must(sql_script(s, owners[i], ERR));
-        own(profile_resumed) resumed;
+        profile_resumed resumed;
         must(profile_session_resume(s, &session, &resumed, ERR));
         assert_int_equal(resumed.claim, PROFILE_CLAIM_RESUMED);
         assert_string_equal(resumed.id, id);
@@ -149,7 +161,7 @@ TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
     must(sql_script(s, "UPDATE session SET host = 'elsewhere', pid = 999999999", ERR));
-    own(profile_resumed) resumed;
+    profile_resumed resumed;
     must(profile_session_resume(s, &session, &resumed, ERR));
     assert_int_equal(resumed.claim, PROFILE_CLAIM_BUSY);
 }

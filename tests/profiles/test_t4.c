@@ -28,10 +28,10 @@ static store *make_store(const test_folder *folder)
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
     for (int i = 0; i < N_FAILURES; ++i) {
-        int64_t number;
         profile_trial trial = {
             .plan = test_plan(0.5), .outcome = failures[i][0], .reason = "it did not run"};
-        must(profile_trial_add(s, id, &trial, NULL, &number, ERR));
+        trial.scope = PROFILE_SHARE_ONE;
+        must(profile_trial_add(s, id, i, &trial, ERR));
     }
     return s;
 }

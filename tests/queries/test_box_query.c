@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/hard_pairs.h"
+#include "support/hits.h"
 #include "support/trees.h"
 
 #include "runtime/narrowphase/narrow.h"
@@ -62,18 +63,14 @@ static void hits_are_those_of_a_sweep_in(uint32_t dims, uint32_t share)
     duet_tree *tree = open_tree(dims, share, boxes, n);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
     duet_box_query_result found = join_boxes(query, DUET_OBJECT_POSES, asked, m);
-    uint64_t at = 0;
+    hit_list hits = HITS(found, n);
     for (uint32_t i = 0; i < m; ++i)
-        for (uint32_t id = 0; id < n; ++id) {
-            bool met = at < found.n_hits && found.hits[at].box == i && found.hits[at].id == id;
-            bool meets = (i + id) % 64 == 0 ? narrow_exact(&asked[i], &boxes[id], dims)
-                                            : narrow_decide(&asked[i], &boxes[id], dims);
-            at += met;
-            if (met != meets)
-                fail_msg("box %u and object %u: %d is wrong", i, id, met);
-        }
-    assert_int_equal(at, found.n_hits);
-    assert_true(found.n_hits > m / 4 && found.undecided > 0);
+        for (uint32_t id = 0; id < n; ++id)
+            expect_hit(&hits, i, id,
+                       (i + id) % 64 == 0 ? narrow_exact(&asked[i], &boxes[id], dims)
+                                          : narrow_decide(&asked[i], &boxes[id], dims));
+    expect_no_more(&hits, m / 4);
+    assert_true(found.undecided > 0);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
 }
@@ -148,16 +145,11 @@ TEST(bounds_meet_where_comparisons_say_so)
         duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 4, bounds, N);
         duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);
         duet_box_query_result found = join_boxes(query, DUET_OBJECT_BOUNDS, bounds, N);
-        uint64_t at = 0;
+        hit_list hits = HITS(found, N);
         for (uint32_t i = 0; i < N; ++i)
-            for (uint32_t id = 0; id < N; ++id) {
-                if (!narrow_bounds(&bounds[i], &bounds[id], dims))
-                    continue;
-                assert_true(at < found.n_hits && found.hits[at].box == i &&
-                            found.hits[at].id == id);
-                ++at;
-            }
-        assert_true(at == found.n_hits && at > N);
+            for (uint32_t id = 0; id < N; ++id)
+                expect_hit(&hits, i, id, narrow_bounds(&bounds[i], &bounds[id], dims));
+        expect_no_more(&hits, N);
     }
 }
 

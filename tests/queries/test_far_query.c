@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "support/devices.h"
+#include "support/hits.h"
 #include "support/trees.h"
 
 #include "runtime/narrowphase/narrow.h"
@@ -188,6 +189,11 @@ static void ask_boxes(const scene *s, duet_tree *tree, int level, answer *found)
     keep(found, result.hits, result.n_hits, sizeof *result.hits);
 }
 
+static hit_list hits_of(const answer *a)
+{
+    return hit_list_of(a->hits, a->n, a->n > 0 ? a->bytes / a->n : 0, BOXES);
+}
+
 // ---------------------------------------------------------------- everywhere the same
 
 static void same_answers(const answer *a, const answer *b)
@@ -219,22 +225,13 @@ static void all_hits_of_rays_are_those_of_integers_in(uint32_t dims)
 {
     scene *s = make_scene(dims);
     answer found = ask_everywhere(s, ask_rays, DUET_QUERY_EVERY, dims);
-    const duet_ray_hit *hits = found.hits;
-    bool *met = test_alloc(BOXES * sizeof *met);
-    uint64_t at = 0;
-    for (uint32_t i = 0; i < ASKED; ++i) {
-        memset(met, 0, BOXES * sizeof *met);
-        float last = 0;
-        for (; at < found.n && hits[at].ray == i; ++at) {
-            assert_true(hits[at].t >= last && hits[at].t <= s->rays[i].t_max);
-            last = hits[at].t;
-            met[hits[at].id] = true;
-        }
+    hit_list hits = hits_of(&found);
+    for (uint32_t i = 0; i < ASKED; ++i)
         for (uint32_t k = 0; k < BOXES; ++k)
-            assert_int_equal(met[k], ray_meets_exactly(&s->rays[i], &s->boxes[k], dims));
-    }
-    assert_int_equal(at, found.n);
-    assert_true(found.n > ASKED);
+            expect_hit(&hits, i, k, ray_meets_exactly(&s->rays[i], &s->boxes[k], dims));
+    expect_no_more(&hits, ASKED);
+    for (const duet_ray_hit *hit = found.hits; (const char *)hit < hits.next; ++hit)
+        assert_true(hit->t >= 0 && hit->t <= s->rays[hit->ray].t_max);
 }
 
 TEST(all_hits_of_rays_are_those_of_integers_wherever_they_are)
@@ -251,15 +248,11 @@ TEST(a_closest_hit_is_the_first_of_all)
     answer every;
     duet_tree *tree = open_far_tree(3, HALF, s->large_boxes, BOXES);
     ask_rays(s, tree, DUET_QUERY_EVERY, &every);
-    const duet_ray_hit *hits = every.hits, *first = closest.hits;
-    uint64_t at = 0;
+    const duet_ray_hit *first = closest.hits;
+    hit_list hits = hits_of(&every);
     for (uint32_t i = 0; i < ASKED; ++i) {
-        if (at < every.n && hits[at].ray == i)
-            assert_memory_equal(&hits[at], &first[i], sizeof *first);
-        else
-            assert_int_equal(first[i].id, DUET_NO_OBJECT);
-        while (at < every.n && hits[at].ray == i)
-            ++at;
+        const duet_ray_hit none = {i, DUET_NO_OBJECT, INFINITY}, *nearest = take_hits(&hits, i);
+        assert_memory_equal(&first[i], nearest ? nearest : &none, sizeof none);
     }
 }
 
@@ -320,19 +313,14 @@ TEST(points_lie_in_the_boxes_that_integers_say)
 {
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_points, 0, 3);
-    const duet_point_hit *hits = found.hits;
-    uint64_t at = 0;
+    hit_list hits = hits_of(&found);
     for (uint32_t i = 0; i < ASKED; ++i) {
         duet_ray still = {.t_max = 0};
         memcpy(still.origin, s->points[i].at, sizeof still.origin);
         for (uint32_t k = 0; k < BOXES; ++k)
-            if (ray_meets_exactly(&still, &s->boxes[k], 3)) {
-                assert_true(at < found.n && hits[at].point == i && hits[at].id == k);
-                ++at;
-            }
+            expect_hit(&hits, i, k, ray_meets_exactly(&still, &s->boxes[k], 3));
     }
-    assert_int_equal(at, found.n);
-    assert_true(found.n > ASKED / 4);
+    expect_no_more(&hits, ASKED / 4);
 }
 
 static double distance_to(const duet_pose *box, const float point[3])
@@ -380,22 +368,14 @@ TEST(boxes_meet_where_integers_say_so)
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_boxes, DUET_LEVEL_CERTIFIED, 3);
     answer itself = ask_everywhere(s, ask_boxes, -1, 3);
-    const duet_box_hit *hits = found.hits, *pairs = itself.hits;
-    uint64_t at = 0, n_pairs = 0;
+    hit_list hits = hits_of(&found), pairs = hits_of(&itself);
     for (uint32_t i = 0; i < ASKED; ++i)
         for (uint32_t k = 0; k < BOXES; ++k) {
-            if (narrow_decide(&s->asked[i], &s->boxes[k], 3)) {
-                assert_true(at < found.n && hits[at].box == i && hits[at].id == k);
-                ++at;
-            }
-            if (i < k && narrow_decide(&s->boxes[i], &s->boxes[k], 3)) {
-                assert_true(n_pairs < itself.n && pairs[n_pairs].box == i);
-                assert_int_equal(pairs[n_pairs++].id, k);
-            }
+            expect_hit(&hits, i, k, narrow_decide(&s->asked[i], &s->boxes[k], 3));
+            expect_hit(&pairs, i, k, i < k && narrow_decide(&s->boxes[i], &s->boxes[k], 3));
         }
-    assert_int_equal(at, found.n);
-    assert_int_equal(n_pairs, itself.n);
-    assert_true(at > ASKED / 4 && n_pairs > BOXES / 4);
+    expect_no_more(&hits, ASKED / 4);
+    expect_no_more(&pairs, BOXES / 4);
 }
 
 // And t and the normal are those of the same sweep near 0.
@@ -403,24 +383,20 @@ TEST(sweeps_meet_what_integers_say)
 {
     scene *s = make_scene(3);
     answer found = ask_everywhere(s, ask_sweeps, DUET_QUERY_EVERY, 3);
-    const duet_sweep_hit *hits = found.hits;
-    bool *met = test_alloc(BOXES * sizeof *met);
-    uint64_t at = 0;
+    hit_list hits = hits_of(&found);
     for (uint32_t i = 0; i < ASKED; ++i) {
         duet_sweep sweep = {.box = s->asked[i], .t_max = s->rays[i].t_max};
         memcpy(sweep.direction, s->rays[i].direction, sizeof sweep.direction);
-        memset(met, 0, BOXES * sizeof *met);
-        for (; at < found.n && hits[at].sweep == i; ++at) {
-            float normal[3], t = sweep_enter(&sweep, &s->boxes[hits[at].id], 3, normal);
-            assert_true(hits[at].t == t);
-            assert_memory_equal(hits[at].normal, normal, sizeof normal);
-            met[hits[at].id] = true;
+        const duet_sweep_hit *hit = take_hits(&hits, i);
+        for (uint32_t k = 0; k < hits.n; ++k) {
+            float normal[3], t = sweep_enter(&sweep, &s->boxes[hit[k].id], 3, normal);
+            assert_true(hit[k].t == t);
+            assert_memory_equal(hit[k].normal, normal, sizeof normal);
         }
         for (uint32_t k = i % 4; k < BOXES; k += 4) // integers take long
-            assert_int_equal(met[k], sweep_meets_exactly(&sweep, &s->boxes[k], 3));
+            expect_hit(&hits, i, k, sweep_meets_exactly(&sweep, &s->boxes[k], 3));
     }
-    assert_int_equal(at, found.n);
-    assert_true(found.n > ASKED);
+    expect_no_more(&hits, ASKED);
 }
 
 TEST(cheaper_levels_answer_alike_everywhere)

@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include "support/devices.h"
+#include "support/hits.h"
 #include "support/trees.h"
 
 enum { NX = 13, NY = 9, RAYS = 4000, POINTS = 600 };
@@ -752,13 +753,11 @@ TEST(the_ground_is_one_more_object)
         any = open_ray_query(trees[0], DUET_QUERY_ANY, false);
         duet_ray_query_result first = cast_rays(closest, rays, 500),
                               some = cast_rays(any, rays, 500);
-        for (uint64_t i = 0, at = 0; i < 500; ++i) {
-            bool met = at < found[0].n_hits && found[0].hits[at].ray == i;
-            assert_int_equal(some.hits[i].id, met ? 0 : DUET_NO_OBJECT);
-            assert_int_equal(first.hits[i].id, met ? found[0].hits[at].id : DUET_NO_OBJECT);
-            assert_true(!met || first.hits[i].t == found[0].hits[at].t);
-            while (at < found[0].n_hits && found[0].hits[at].ray == i)
-                ++at;
+        hit_list hits = HITS(found[0], 67);
+        for (uint32_t i = 0; i < 500; ++i) {
+            const duet_ray_hit none = {i, DUET_NO_OBJECT, INFINITY}, *nearest = take_hits(&hits, i);
+            assert_int_equal(some.hits[i].id, nearest ? 0 : DUET_NO_OBJECT);
+            assert_memory_equal(&first.hits[i], nearest ? nearest : &none, sizeof none);
         }
         test_give_back(closest);
         test_give_back(any);

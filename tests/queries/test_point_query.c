@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/hard_pairs.h"
+#include "support/hits.h"
 #include "support/trees.h"
 
 #include "runtime/queries/ray.h"
@@ -65,16 +66,13 @@ static void containing_boxes_are_exact_in(duet_tree *tree, const world *w, bool 
 {
     duet_point_query *query = open_point_query(tree, 0);
     duet_point_query_result found = seek_points(query, w->points, POINTS);
-    uint64_t at = 0;
+    hit_list hits = HITS(found, BOXES);
     for (uint32_t i = 0; i < POINTS; ++i)
-        for (uint32_t id = 0; id < BOXES; ++id) {
-            const duet_point_hit expected = {i, id, 0};
-            if (!contains(w, bounds, id, &w->points[i], dims))
-                continue;
-            assert_true(at < found.n_hits);
-            assert_memory_equal(&found.hits[at++], &expected, sizeof expected);
-        }
-    assert_true(at == found.n_hits && at > POINTS / 4);
+        for (uint32_t id = 0; id < BOXES; ++id)
+            expect_hit(&hits, i, id, contains(w, bounds, id, &w->points[i], dims));
+    expect_no_more(&hits, POINTS / 4);
+    for (uint64_t k = 0; k < found.n_hits; ++k)
+        assert_true(found.hits[k].distance == 0);
     assert_true(bounds == (found.undecided == 0));
 }
 

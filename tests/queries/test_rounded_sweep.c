@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "support/devices.h"
+#include "support/hits.h"
 #include "support/trees.h"
 
 #include "runtime/narrowphase/rounded.h"
@@ -277,22 +278,13 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     duet_tree *tree = open_rounded_tree(dims, share, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
     duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
     duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
-    uint64_t at = 0;
-    for (uint32_t i = 0; i < SWEEPS; ++i) {
-        bool met[BOXES] = {false};
-        float last = 0;
-        for (; at < found.n_hits && found.hits[at].sweep == i; ++at) {
-            const duet_sweep_hit *hit = &found.hits[at];
-            assert_true(hit->id < BOXES && !met[hit->id] && hit->t >= last);
-            met[hit->id] = true;
-            last = hit->t;
-            check_hit(&w->sweeps[i], &w->boxes[hit->id], hit, dims);
-        }
+    hit_list hits = HITS(found, BOXES);
+    for (uint32_t i = 0; i < SWEEPS; ++i)
         for (uint32_t id = 0; id < BOXES; ++id)
-            if (met[id] != rounded_sweep_meets(&w->sweeps[i], &w->boxes[id], dims))
-                fail_msg("sweep %u, box %u in %uD: %d is wrong", i, id, dims, met[id]);
-    }
-    assert_true(at == found.n_hits && at > SWEEPS / 4);
+            expect_hit(&hits, i, id, rounded_sweep_meets(&w->sweeps[i], &w->boxes[id], dims));
+    expect_no_more(&hits, SWEEPS / 4);
+    for (const duet_sweep_hit *hit = found.hits; hit < found.hits + found.n_hits; ++hit)
+        check_hit(&w->sweeps[hit->sweep], &w->boxes[hit->id], hit, dims);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
     assert_true(4 * found.undecided < found.n_hits);
@@ -322,36 +314,13 @@ TEST(closed_forms_hold_on_devices)
     }
 }
 
-// The closest is one of all, and none is closer by more than float is wrong by.
 TEST(closest_and_any_are_of_every_hit)
 {
     world *w = make_world();
     duet_tree *tree =
         open_rounded_tree(3, DUET_SHARE_ONE / 2, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
     duet_tree *other = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-    duet_sweep_query *queries[4] = {
-        open_sweep_query(tree, DUET_QUERY_EVERY), open_sweep_query(tree, DUET_QUERY_CLOSEST),
-        open_sweep_query(other, DUET_QUERY_CLOSEST), open_sweep_query(tree, DUET_QUERY_ANY)};
-    duet_sweep_query_result found[4];
-    for (int i = 0; i < 4; ++i)
-        found[i] = run_sweeps(queries[i], DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
-    assert_int_equal(found[1].n_hits, SWEEPS);
-    assert_memory_equal(found[1].hits, found[2].hits, SWEEPS * sizeof *found[2].hits);
-    uint64_t at = 0, n_same = 0, n_hit = 0;
-    for (uint32_t i = 0; i < SWEEPS; ++i) {
-        const duet_sweep_hit *first = &found[0].hits[at], *hit = &found[1].hits[i];
-        bool hits = at < found[0].n_hits && first->sweep == i, listed = false;
-        assert_int_equal(found[3].hits[i].id, hits ? 0 : DUET_NO_OBJECT);
-        assert_int_equal(hit->id == DUET_NO_OBJECT, !hits);
-        n_hit += hits;
-        n_same += hits && first->id == hit->id;
-        float least = hits ? first->t : 0;
-        for (; at < found[0].n_hits && found[0].hits[at].sweep == i; ++at)
-            listed = listed || memcmp(&found[0].hits[at], hit, sizeof *hit) == 0;
-        assert_int_equal(listed, hits);
-        assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
-    }
-    assert_true(n_same * 50 >= n_hit * 49);
+    closest_and_any_are_of_every(tree, other, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS, BOXES);
 }
 
 TEST(boxes_without_radii_have_the_hits_of_poses)

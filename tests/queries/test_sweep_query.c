@@ -6,6 +6,7 @@
 
 #include "support/devices.h"
 #include "support/hard_pairs.h"
+#include "support/hits.h"
 #include "support/trees.h"
 
 #include "runtime/narrowphase/narrow.h"
@@ -156,22 +157,13 @@ static void every_hit_in(uint32_t dims, uint32_t share)
     duet_tree *tree = open_tree(dims, share, w->boxes, BOXES);
     duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
     duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    uint64_t at = 0;
-    for (uint32_t i = 0; i < SWEEPS; ++i) {
-        bool met[BOXES] = {false};
-        float last = 0;
-        for (; at < found.n_hits && found.hits[at].sweep == i; ++at) {
-            const duet_sweep_hit *hit = &found.hits[at];
-            assert_true(hit->id < BOXES && !met[hit->id] && hit->t >= last);
-            met[hit->id] = true;
-            last = hit->t;
-            check_hit(&w->sweeps[i], &w->boxes[hit->id], hit, dims);
-        }
+    hit_list hits = HITS(found, BOXES);
+    for (uint32_t i = 0; i < SWEEPS; ++i)
         for (uint32_t id = 0; id < BOXES; ++id)
-            if (met[id] != sweep_meets_exactly(&w->sweeps[i], &w->boxes[id], dims))
-                fail_msg("sweep %u, box %u: %d is wrong", i, id, met[id]);
-    }
-    assert_true(at == found.n_hits && at > SWEEPS / 4);
+            expect_hit(&hits, i, id, sweep_meets_exactly(&w->sweeps[i], &w->boxes[id], dims));
+    expect_no_more(&hits, SWEEPS / 4);
+    for (const duet_sweep_hit *hit = found.hits; hit < found.hits + found.n_hits; ++hit)
+        check_hit(&w->sweeps[hit->sweep], &w->boxes[hit->id], hit, dims);
     print_message("%uD: %" PRIu64 " hits, %" PRIu64 " undecided\n", dims, found.n_hits,
                   found.undecided);
     assert_true(found.undecided < found.n_hits);
@@ -183,38 +175,12 @@ TEST(every_hit_is_found_and_no_other)
     every_hit_in(2, DUET_SHARE_ONE);
 }
 
-// The closest is one of all, and none is closer by more than float is wrong by.
 TEST(closest_and_any_are_of_every_hit)
 {
     world *w = make_world();
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 2, w->boxes, BOXES);
     duet_tree *other = open_tree(3, 0, w->boxes, BOXES);
-    duet_sweep_query *every = open_sweep_query(tree, DUET_QUERY_EVERY);
-    duet_sweep_query *closest = open_sweep_query(tree, DUET_QUERY_CLOSEST);
-    duet_sweep_query *again = open_sweep_query(other, DUET_QUERY_CLOSEST);
-    duet_sweep_query *any = open_sweep_query(tree, DUET_QUERY_ANY);
-    duet_sweep_query_result all = run_sweeps(every, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    duet_sweep_query_result nearest = run_sweeps(closest, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    duet_sweep_query_result same = run_sweeps(again, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    duet_sweep_query_result some = run_sweeps(any, DUET_OBJECT_POSES, w->sweeps, SWEEPS);
-    assert_int_equal(nearest.n_hits, SWEEPS);
-    assert_memory_equal(nearest.hits, same.hits, SWEEPS * sizeof *same.hits);
-    uint64_t at = 0, n_same = 0, n_hit = 0;
-    for (uint32_t i = 0; i < SWEEPS; ++i) {
-        const duet_sweep_hit *first = &all.hits[at], *hit = &nearest.hits[i];
-        bool hits = at < all.n_hits && first->sweep == i, listed = false;
-        const duet_sweep_hit yes = {i, hits ? 0 : DUET_NO_OBJECT, 0, {0}};
-        assert_memory_equal(&some.hits[i], &yes, sizeof yes);
-        assert_int_equal(hit->id == DUET_NO_OBJECT, !hits);
-        n_hit += hits;
-        n_same += hits && first->id == hit->id;
-        float least = hits ? first->t : 0;
-        for (; at < all.n_hits && all.hits[at].sweep == i; ++at)
-            listed = listed || memcmp(&all.hits[at], hit, sizeof *hit) == 0;
-        assert_int_equal(listed, hits);
-        assert_true(!hits || hit->t <= least + 0.05f); // a unit of t is a way of some units
-    }
-    assert_true(n_same * 50 >= n_hit * 49);
+    closest_and_any_are_of_every(tree, other, DUET_OBJECT_POSES, w->sweeps, SWEEPS, BOXES);
 }
 
 // ---------------------------------------------------------------- bounds
@@ -237,27 +203,23 @@ static void moving_bounds_are_exact_in(uint32_t dims)
     duet_tree *tree = open_bounds_tree(dims, DUET_SHARE_ONE / 3, boxes, N);
     duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);
     duet_sweep_query_result found = run_sweeps(query, DUET_OBJECT_BOUNDS, sweeps, N);
-    uint64_t at = 0;
-    for (uint32_t i = 0; i < N; ++i) {
-        bool met[N] = {false};
-        for (; at < found.n_hits && found.hits[at].sweep == i; ++at) {
-            const duet_sweep_hit *hit = &found.hits[at];
-            long double enter = 0;
-            met[hit->id] = true;
-            for (uint32_t k = 0; k < dims; ++k) {
-                float speed = sweeps[i].direction[k];
-                long double gap =
-                    speed > 0 ? (long double)boxes[hit->id].lower[k] - sweeps[i].bounds.upper[k]
-                              : (long double)boxes[hit->id].upper[k] - sweeps[i].bounds.lower[k];
-                enter = speed != 0 ? fmaxl(enter, gap / speed) : enter;
-            }
-            assert_true(fabsl(hit->t - enter) <= 0x1p-23L * enter);
-        }
+    hit_list hits = HITS(found, N);
+    for (uint32_t i = 0; i < N; ++i)
         for (uint32_t id = 0; id < N; ++id)
-            if (met[id] != sweep_meets_bounds(&sweeps[i], &boxes[id], dims))
-                fail_msg("sweep %u, bounds %u: %d is wrong", i, id, met[id]);
+            expect_hit(&hits, i, id, sweep_meets_bounds(&sweeps[i], &boxes[id], dims));
+    expect_no_more(&hits, N);
+    for (const duet_sweep_hit *hit = found.hits; hit < found.hits + found.n_hits; ++hit) {
+        const duet_bounds_sweep *s = &sweeps[hit->sweep];
+        const duet_bounds *box = &boxes[hit->id];
+        long double enter = 0;
+        for (uint32_t k = 0; k < dims; ++k) {
+            float speed = s->direction[k];
+            long double gap = speed > 0 ? (long double)box->lower[k] - s->bounds.upper[k]
+                                        : (long double)box->upper[k] - s->bounds.lower[k];
+            enter = speed != 0 ? fmaxl(enter, gap / speed) : enter;
+        }
+        assert_true(fabsl(hit->t - enter) <= 0x1p-23L * enter);
     }
-    assert_true(at == found.n_hits && at > N);
 }
 
 TEST(moving_bounds_are_exact)

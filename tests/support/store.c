@@ -160,6 +160,7 @@ profile_trial test_trial(uint64_t n, double share, profile_sample *samples, uint
         .a_ns = a,
         .b_ns = b,
         .terms = "{\"T_CPU1\":1.5}",
+        .scope = PROFILE_SHARE_ONE,
         .samples = samples,
         .n_samples = n_samples,
     };
@@ -174,11 +175,10 @@ void test_tune(store *s, const profile_pair *pair, const profile_workload *workl
     profile_session session = test_session(pair_id, workload_id);
     char id[PROFILE_ID];
     must(profile_session_begin(s, &session, id, ERR));
-    int64_t number = 0;
     for (int i = 0; i <= 8; ++i) {
         profile_sample samples[4];
         profile_trial trial = test_trial(workload->n, i / 8.0, samples, 4);
-        must(profile_trial_add(s, id, &trial, "{\"at\":1}", &number, ERR));
+        must(profile_trial_add(s, id, i, &trial, ERR));
     }
     profile_row row = {
         .pair_id = pair_id,

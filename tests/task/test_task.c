@@ -35,8 +35,8 @@ static duet_plan plan_at(double share, const char *variant)
     return plan;
 }
 
-// Launches the task at shares from one end to the other, with two variants. copies: on devices that
-// seem to have memory of their own.
+// Launches the task at shares from one end to the other, with two variants, and unless it has a sum
+// on parts of its items. copies: on devices that seem to have memory of their own.
 static void launch_at_shares(const char *lua, const char *kernel_name, bool copies)
 {
     static const double shares[] = {0, 1e-4, 0.1, 0.37, 0.5, 0.99, 1};
@@ -51,8 +51,13 @@ static void launch_at_shares(const char *lua, const char *kernel_name, bool copi
         for (int k = 0; k < 2; ++k) {
             task_result r;
             duet_plan plan = plan_at(shares[i], k ? set : "auto");
-            must(task_launch(l, &plan, &r, ERR));
-            assert_true(r.total_ms > 0 && r.n_stages > 0);
+            for (uint32_t part = DUET_SHARE_ONE; part > 0; part /= 7) {
+                if (part < DUET_SHARE_ONE && task_launcher_estimate_ms(l) == 0)
+                    break;
+                task_launcher_set_part(l, part);
+                must(task_launch(l, &plan, &r, ERR));
+                assert_true(r.total_ms > 0 && r.n_stages > 0);
+            }
         }
     task_launcher_close(l);
     duet_device_pair_destroy(pair);
@@ -113,6 +118,42 @@ TEST(sums_of_both_devices_are_added)
         "'sum' } }, reference = function(v) for i = 0, n - 1 do local b = i * i % 251 v.bins[b] = "
         "v.bins[b] + 1 end end }",
         "count");
+}
+
+// Of A's items 0 to 499 and B's 500 to 999 the first quarter of each.
+TEST(a_part_of_the_items_is_done_and_checked)
+{
+    static const struct {
+        int item;
+        double part;
+        bool is_found;
+    } cases[] = {{124, 0.25, true}, {125, 0.25, false}, {499, 0.25, false}, {500, 0.25, true},
+                 {624, 0.25, true}, {625, 0.25, false}, {999, 0.25, false}, {999, 1, true},
+                 {1, 0.001, false}, {500, 0.001, true}};
+    write_kernel("part", "int wrong\nint *y\n", "y[i] = i + ((long)i == wrong);");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char lua[300];
+        snprintf(lua, sizeof lua,
+                 "local n = 1000 return { kernel = 'part', items = n, args = { wrong = %d, y = { "
+                 "'int', n, access = 'out slice' } }, reference = function(v) for i = 0, n - 1 do "
+                 "v.y[i] = i end end }",
+                 cases[i].item);
+        task *t = load(lua);
+        duet_device_pair *pair = open_halves();
+        task_launcher *l = must(task_launcher_open(t, pair, ERR));
+        duet_plan plan = plan_at(duet_device_pair_is_one(pair) ? 0 : 0.5, "auto");
+        duet_error err = {0};
+        task_result r;
+        bool found = cases[i].is_found;
+        if (plan.share == 0 && cases[i].part < 1)
+            found = cases[i].item < 1000 * cases[i].part;
+        task_launcher_set_part(l, (uint32_t)(cases[i].part * DUET_SHARE_ONE));
+        assert_int_equal(task_launch(l, &plan, &r, &err), !found);
+        assert_int_equal(err.status, found ? DUET_STATUS_WRONG_RESULT : DUET_STATUS_OK);
+        task_launcher_close(l);
+        duet_device_pair_destroy(pair);
+        task_destroy(t);
+    }
 }
 
 // An item of three elements, each a vector, with several work-units.

@@ -2,7 +2,8 @@
 // Tunings that make energy small, on two devices that are only arithmetic.
 #include "support/test.h"
 
-#include "tuner/tune.h"
+#include "support/recorded.h"
+#include "support/store.h"
 
 #define FILE_NAME "test_energy.txt"
 
@@ -15,6 +16,7 @@ static double told_ms; // and then the counter moves; 0: after each step
 static double now_ms;
 static double sigma; // of a step's energy
 static rng random_of;
+static record *kept_in; // NULL: nowhere
 
 static double step_ms(double share)
 {
@@ -58,6 +60,7 @@ static duet_tune_outcome tune(const char *name, energy_meter *meter, trial_log *
                                .repeats = 2};
     const tune_problem problem = {
         .def = &def,
+        .recorder = kept_in ? record_recorder(kept_in) : (tune_recorder){0},
         .machine = {.launch = launch},
         .meter = meter,
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
@@ -122,15 +125,16 @@ TEST(a_counter_that_moves_seldom_tells_energies_and_leads_to_a_verdict)
     sigma = told_ms = 0;
 }
 
-// Each trial's energy is in the log, and comes back from its JSON.
+// Each trial's energy is in the log, and comes back from the store.
 TEST(each_trial_keeps_its_energy_beside_its_time)
 {
-    own(trial_log) log = {0}, again;
-    own(text) json = {0};
+    own(trial_log) log = {0}, again = {0};
     energy_meter *m = open_meter();
+    record r = test_record(test_store_fresh());
+    kept_in = &r;
     tune("grid", m, &log);
-    trial_log_to_json(&log, &json);
-    must(trial_log_from_json(&again, text_chars(&json), ERR));
+    kept_in = NULL;
+    test_record_again(&r, &again);
     assert_true(log.n > 30 && again.n == log.n);
     for (uint32_t i = 0; i < log.n; ++i) {
         double share = log.entries[i].plan.share / 65536.0;

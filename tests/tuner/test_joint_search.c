@@ -2,195 +2,26 @@
 // Strategies that choose kernels and share together, on two kernels that are only arithmetic.
 #include "support/test.h"
 
+#include "support/kernel_pair.h"
+#include "support/recorded.h"
+#include "support/store.h"
 #include "tuner/joint_space.h"
 #include "tuner/strategy.h"
 #include "tuner/tune.h"
 
-enum { SIZES = 4, TILES = 3, CONFIGS = SIZES * TILES, POINTS = 16 };
-
-// A takes `slower` times as long as B; a config takes its factor times as long as the best one.
-typedef struct fake {
-    kernel_space space; // of both devices
-    double factor[2][CONFIGS];
-    double crowded[CONFIGS]; // and so much longer, as part of it, while both devices work
-    double slower;
-    double sigma;
-    double unit_ns; // of a launch that takes 1
-    bool waits;     // each launch for a core
-    rng random;
-    uint32_t launches, stop_after;
-    uint32_t most_trials; // 0: any number
-    uint32_t repeats;     // of a trial; 0: one
-} fake;
-
-static void invent(fake *f)
-{
-    kernel_space *s = &f->space;
-    *s = (kernel_space){.kernel = "k", .stages = {"kernel"}, .n_params = 2, .now = 5};
-    snprintf(s->params[0].name, sizeof s->params[0].name, "SIZE");
-    snprintf(s->params[1].name, sizeof s->params[1].name, "TILE");
-    s->params[0].n_values = SIZES;
-    s->params[1].n_values = TILES;
-    for (uint32_t i = 0; i < SIZES; ++i)
-        s->params[0].values[i] = 1 << i;
-    for (uint32_t i = 0; i < TILES; ++i)
-        s->params[1].values[i] = i;
-    for (uint8_t size = 0; size < SIZES; ++size)
-        for (uint8_t tile = 0; tile < TILES; ++tile)
-            memcpy(s->configs[s->n_configs++], (uint8_t[]){size, tile}, 2);
-    for (int device = 0; device < 2; ++device) {
-        double sizes[SIZES], tiles[TILES];
-        for (uint32_t i = 0; i < SIZES; ++i)
-            sizes[i] = 1 + rng_unit(&f->random);
-        for (uint32_t i = 0; i < TILES; ++i)
-            tiles[i] = 1 + 0.5 * rng_unit(&f->random);
-        for (uint32_t c = 0; c < CONFIGS; ++c)
-            f->factor[device][c] =
-                sizes[c / TILES] * tiles[c % TILES] * (1 + 0.1 * rng_unit(&f->random));
-    }
-    f->slower = 1 + 7 * rng_unit(&f->random);
-}
-
-static double crowding(const fake *f, double share, uint32_t config)
-{
-    return share > 0 && share < 1 ? 1 + f->crowded[config] : 1;
-}
-
-static double part_of_a(const fake *f, double share, uint32_t config)
-{
-    return f->slower * share * f->factor[0][config] * crowding(f, share, config);
-}
-
-static double part_of_b(const fake *f, double share, uint32_t config)
-{
-    return (1 - share) * f->factor[1][config] * crowding(f, share, config);
-}
-
-static double time_of(const fake *f, double share, uint32_t a, uint32_t b)
-{
-    double shared = share > 0 && share < 1 ? 0.05 : 0;
-    double of_a = share > 0 ? part_of_a(f, share, a) + shared : 0;
-    double of_b = share < 1 ? part_of_b(f, share, b) + shared : 0;
-    return fmax(of_a, of_b);
-}
-
-static double least_time(const fake *f)
-{
-    double least = INFINITY;
-    for (uint32_t point = 0; point <= POINTS; ++point)
-        for (uint32_t a = 0; a < CONFIGS; ++a)
-            for (uint32_t b = 0; b < CONFIGS; ++b)
-                least = fmin(least, time_of(f, point / (double)POINTS, a, b));
-    return least;
-}
-
-// The config by which device B is the quickest.
-static uint32_t best_config(const fake *f)
-{
-    uint32_t best = 0;
-    for (uint32_t c = 1; c < CONFIGS; ++c)
-        best = f->factor[1][c] < f->factor[1][best] ? c : best;
-    return best;
-}
-
-// The config that a variant's text sets.
-static uint32_t read_config(const fake *f, const char *variant)
-{
-    uint32_t size = f->space.now / TILES, tile = f->space.now % TILES;
-    const char *at = strstr(variant, "k.SIZE=");
-    if (at)
-        for (size = 0; f->space.params[0].values[size] != atoi(at + 7); ++size)
-            assert_true(size < SIZES);
-    at = strstr(variant, "k.TILE=");
-    tile = at ? (uint32_t)atoi(at + 7) : tile;
-    assert_true(tile < TILES);
-    return size * TILES + tile;
-}
-
-static double noisy(fake *f, double ms)
-{
-    return ms * (1 + f->sigma * rng_normal(&f->random));
-}
-
-static bool launch_fake(void *context, const duet_plan *plan, bool staged, measure_launch *launch,
-                        duet_error *err)
-{
-    fake *f = context;
-    double share = plan->share / 65536.0;
-    uint32_t a = read_config(f, plan->variant_a), b = read_config(f, plan->variant_b);
-    (void)err;
-    ++f->launches;
-    launch->use.disturbed = f->waits;
-    launch->a_ns = share > 0 ? (int64_t)(f->unit_ns * noisy(f, part_of_a(f, share, a))) : 0;
-    launch->b_ns = share < 1 ? (int64_t)(f->unit_ns * noisy(f, part_of_b(f, share, b))) : 0;
-    launch->total_ns = (int64_t)(f->unit_ns * noisy(f, time_of(f, share, a, b)));
-    for (int device = 0; staged && device < 2; ++device)
-        launch->stages[launch->n_stages++] =
-            (duet_stage){.name = "kernel",
-                         .device = device,
-                         .ms = (double)(device == 0 ? launch->a_ns : launch->b_ns) * 1e-6};
-    return true;
-}
-
-static bool read_fake(void *context, const duet_plan *plan, int device, kernel_spaces *to,
-                      duet_error *err)
-{
-    const fake *f = context;
-    (void)plan, (void)device;
-    return kernel_spaces_add(to, &f->space, err);
-}
-
-static bool watch_fake(void *context, const duet_tune_progress *p)
-{
-    const fake *f = context;
-    return f->stop_after == 0 || p->remembered || p->trials % f->stop_after != 0;
-}
-
-static bool run_fake(fake *f, const char *name, script *own, trial_log *log,
-                     duet_tune_outcome *outcome, duet_error *err)
-{
-    static const char *const one[] = {"auto"};
-    static const duet_mode modes[] = {DUET_MODE_OWN};
-    const duet_tune_def def = {.strategy = name,
-                               .search = "kernels",
-                               .variants = one,
-                               .n_variants = 1,
-                               .modes = modes,
-                               .n_modes = 1,
-                               .repeats = f->repeats ? f->repeats : 1,
-                               .budget_trials = f->most_trials,
-                               .seed = 7,
-                               .watch = watch_fake,
-                               .watch_context = f};
-    tune_problem problem = {
-        .def = &def,
-        .machine = {.context = f, .launch = launch_fake, .read_kernels = read_fake},
-        .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
-        .script = own,
-        .fair = f->slower == 1 ? SEARCH_ONE / 2 : 0,
-        .least_share = 8};
-    return tune_run(&problem, log, outcome, err);
-}
-
-static duet_tune_outcome tune_fake(fake *f, const char *name)
+static duet_tune_outcome tune_fake(kernel_pair *f, const char *name)
 {
     duet_tune_outcome o;
     own(trial_log) log = {0};
-    must(run_fake(f, name, NULL, &log, &o, ERR));
+    must(kernel_pair_tune(f, name, NULL, &log, &o, ERR));
     return o;
-}
-
-static double time_of_plan(const fake *f, const duet_plan *plan)
-{
-    return time_of(f, plan->share / 65536.0, read_config(f, plan->variant_a),
-                   read_config(f, plan->variant_b));
 }
 
 // ---------------------------------------------------------------- the space
 
-static joint_space open_space(const fake *f)
+static joint_space open_space(const kernel_pair *f)
 {
-    joint_space s = {.points = POINTS};
+    joint_space s = {.points = KERNEL_PAIR_POINTS};
     for (int device = 0; device < 2; ++device)
         must(joint_space_add(&s, device, &f->space, ERR));
     return s;
@@ -198,16 +29,16 @@ static joint_space open_space(const fake *f)
 
 TEST(every_plan_of_the_grid_has_one_number)
 {
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
-    invent(&f);
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair_invent(&f);
     own(joint_space) s = open_space(&f);
     uint64_t n = joint_space_count(&s);
-    assert_int_equal(n, (POINTS - 1) * CONFIGS * CONFIGS + 2 * CONFIGS);
-    bool seen[POINTS + 1][CONFIGS][CONFIGS] = {{{false}}};
+    assert_int_equal(n, kernel_pair_plans(&f));
+    bool seen[KERNEL_PAIR_POINTS + 1][KERNEL_PAIR_CONFIGS][KERNEL_PAIR_CONFIGS] = {{{false}}};
     for (uint64_t i = 0; i < n; ++i) {
         search_sample p = joint_space_at(&s, i), same = p;
-        uint32_t point = p.share / (SEARCH_ONE / POINTS);
-        assert_int_equal(p.share % (SEARCH_ONE / POINTS), 0);
+        uint32_t point = p.share / (SEARCH_ONE / KERNEL_PAIR_POINTS);
+        assert_int_equal(p.share % (SEARCH_ONE / KERNEL_PAIR_POINTS), 0);
         joint_space_normalize(&s, &same);
         assert_true(memcmp(p.configs, same.configs, sizeof p.configs) == 0 &&
                     p.share == same.share);
@@ -219,25 +50,25 @@ TEST(every_plan_of_the_grid_has_one_number)
 // Eight kernels of 12 configs: more than a search goes through, and more than 64 bits count.
 TEST(many_kernels_leave_a_number_of_plans)
 {
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
-    invent(&f);
-    own(joint_space) s = {.points = POINTS};
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair_invent(&f);
+    own(joint_space) s = {.points = KERNEL_PAIR_POINTS};
     for (int device = 0; device < 2; ++device)
         for (int i = 0; i <= SEARCH_KERNELS; ++i) // one more than there is space for
             must(joint_space_add(&s, device, &f.space, ERR));
     assert_int_equal(s.kernels.n, 2 * SEARCH_KERNELS);
     const uint64_t most = UINT64_C(1) << 24;
     uint64_t n = joint_space_count(&s);
-    assert_true(n == most * most * (POINTS - 1) + 2 * most);
+    assert_true(n == most * most * (KERNEL_PAIR_POINTS - 1) + 2 * most);
     search_sample last = joint_space_at(&s, n - 1);
     for (uint32_t i = 0; i < s.kernels.n; ++i)
-        assert_true(last.configs[i] < CONFIGS);
+        assert_true(last.configs[i] < KERNEL_PAIR_CONFIGS);
 }
 
 TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
 {
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
-    invent(&f);
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair_invent(&f);
     own(joint_space) s = open_space(&f);
     for (int i = 0; i < 2000; ++i) {
         search_sample p = joint_space_random(&s, &f.random);
@@ -257,14 +88,14 @@ TEST(a_neighbour_differs_in_one_parameter_or_in_the_share)
 
 TEST(brute_force_finds_the_best_plan_of_all)
 {
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     for (int i = 0; i < 5; ++i) {
-        invent(&f);
+        kernel_pair_invent(&f);
         duet_tune_outcome o = tune_fake(&f, "brute");
-        assert_int_equal(o.plans, (POINTS - 1) * CONFIGS * CONFIGS + 2 * CONFIGS);
+        assert_int_equal(o.plans, kernel_pair_plans(&f));
         assert_int_equal(o.plans_tried, o.plans);
         // the verdict may even the share out between those of the grid
-        assert_true(time_of_plan(&f, &o.plan) <= least_time(&f) + 1e-12);
+        assert_true(kernel_pair_time_of_plan(&f, &o.plan) <= kernel_pair_least_time(&f) + 1e-12);
     }
 }
 
@@ -276,12 +107,12 @@ TEST(a_tenth_of_the_plans_comes_near_the_best)
     } cases[] = {{"random", 0.06}, {"annealing", 0.02}, {"balance", 0.02}};
     enum { TIMES = 25 };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        fake f = {.random = rng_seed(test_seed() + 1), .unit_ns = 1e7, .sigma = 0.01};
+        kernel_pair f = {.random = rng_seed(test_seed() + 1), .unit_ns = 1e7, .sigma = 0.01};
         double mean = 0, worst = 0;
         for (int i = 0; i < TIMES; ++i) {
-            invent(&f);
+            kernel_pair_invent(&f);
             duet_tune_outcome o = tune_fake(&f, cases[k].strategy);
-            double off = time_of_plan(&f, &o.plan) / least_time(&f) - 1;
+            double off = kernel_pair_time_of_plan(&f, &o.plan) / kernel_pair_least_time(&f) - 1;
             mean += off / TIMES;
             worst = fmax(worst, off);
             assert_true(10 * o.plans_tried <= o.plans);
@@ -297,20 +128,18 @@ TEST(a_tenth_of_the_plans_comes_near_the_best)
 TEST(a_tuning_takes_a_tenth_of_the_trials_of_brute_force)
 {
     enum { TIMES = 60 };
-    fake f = {.random = rng_seed(test_seed() + 2), .unit_ns = 1e7, .sigma = 0.05};
+    kernel_pair f = {.random = rng_seed(test_seed() + 2), .unit_ns = 1e7, .sigma = 0.05};
     double trials = 0, off = 0;
     uint32_t plans = 0;
     for (int i = 0; i < TIMES; ++i) {
-        invent(&f);
-        if (i % 4 == 0) {
-            f.slower = 1;
-            memcpy(f.factor[0], f.factor[1], sizeof f.factor[0]);
-        }
-        f.space.now = i % 2 ? f.space.now : best_config(&f);
+        kernel_pair_invent(&f);
+        if (i % 4 == 0)
+            kernel_pair_equal(&f);
+        f.space.now = i % 2 ? f.space.now : kernel_pair_best(&f);
         duet_tune_outcome o = tune_fake(&f, "balance");
-        plans = (POINTS - 1) * f.space.n_configs * f.space.n_configs + 2 * f.space.n_configs;
+        plans = kernel_pair_plans(&f);
         trials += o.trials / (double)TIMES;
-        off += (time_of_plan(&f, &o.plan) / least_time(&f) - 1) / TIMES;
+        off += (kernel_pair_time_of_plan(&f, &o.plan) / kernel_pair_least_time(&f) - 1) / TIMES;
     }
     print_message("%.0f trials of %u in the mean, %.1f %% above the best\n", trials, plans,
                   100 * off);
@@ -329,19 +158,18 @@ TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
         uint32_t more, alone; // at most
     } cases[] = {{0.1, 0.04, 6, 1}, {0.3, 0.2, 20, 6}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        fake f = {.random = rng_seed(test_seed() + 3), .unit_ns = 1e7, .sigma = cases[k].sigma};
+        kernel_pair f = {
+            .random = rng_seed(test_seed() + 3), .unit_ns = 1e7, .sigma = cases[k].sigma};
         uint32_t more = 0, alone = 0;
         double trials = 0, off = 0;
         for (int i = 0; i < TIMES; ++i) {
-            invent(&f);
-            f.slower = 1;
-            memcpy(f.factor[0], f.factor[1], sizeof f.factor[0]);
-            f.space.now = i % 2 ? f.space.now : best_config(&f);
+            kernel_pair_invent(&f);
+            kernel_pair_equal(&f);
+            f.space.now = i % 2 ? f.space.now : kernel_pair_best(&f);
             duet_tune_outcome o = tune_fake(&f, "balance");
-            uint32_t plans =
-                (POINTS - 1) * f.space.n_configs * f.space.n_configs + 2 * f.space.n_configs;
+            uint32_t plans = kernel_pair_plans(&f);
             trials += o.trials / (double)TIMES;
-            off += (time_of_plan(&f, &o.plan) / least_time(&f) - 1) / TIMES;
+            off += (kernel_pair_time_of_plan(&f, &o.plan) / kernel_pair_least_time(&f) - 1) / TIMES;
             more += 10 * o.trials > plans;
             alone += o.plan.share == 0 || o.plan.share == DUET_SHARE_ONE;
         }
@@ -358,20 +186,20 @@ TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
 TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
 {
     enum { TIMES = 100, BETTER = 4 };
-    fake f = {.random = rng_seed(test_seed() + 4), .unit_ns = 1e6, .sigma = 0.15};
+    kernel_pair f = {.random = rng_seed(test_seed() + 4), .unit_ns = 1e6, .sigma = 0.15};
     uint32_t kept[2] = {0};
     for (int i = 0; i < TIMES; ++i) {
-        invent(&f);
+        kernel_pair_invent(&f);
         f.slower = 0.5;
         for (int device = 0; device < 2; ++device) {
-            for (uint32_t c = 0; c < CONFIGS; ++c)
+            for (uint32_t c = 0; c < KERNEL_PAIR_CONFIGS; ++c)
                 f.factor[device][c] = 1.5;
             f.factor[device][f.space.now] = 1.15;
             f.factor[device][BETTER] = 1;
         }
         duet_tune_outcome o = tune_fake(&f, "balance");
-        kept[0] += read_config(&f, o.plan.variant_a) != BETTER;
-        kept[1] += read_config(&f, o.plan.variant_b) != BETTER;
+        kept[0] += kernel_pair_config(&f, o.plan.variant_a) != BETTER;
+        kept[1] += kernel_pair_config(&f, o.plan.variant_b) != BETTER;
     }
     print_message("another set than the best, of %d: %u times on A, %u on B\n", TIMES, kept[0],
                   kept[1]);
@@ -389,13 +217,13 @@ TEST(short_launches_count_more_often_only_if_they_scatter)
     } cases[] = {{1e7, 0.01, false}, {1e6, 0.01, false}, {1e6, 0.2, false}, {1e6, 0.2, true}};
     double a_trial[4] = {0}; // launches
     for (int k = 0; k < 4; ++k) {
-        fake f = {.random = rng_seed(test_seed() + 9),
-                  .unit_ns = cases[k].unit_ns,
-                  .sigma = cases[k].sigma,
-                  .waits = cases[k].waits,
-                  .repeats = 3};
+        kernel_pair f = {.random = rng_seed(test_seed() + 9),
+                         .unit_ns = cases[k].unit_ns,
+                         .sigma = cases[k].sigma,
+                         .waits = cases[k].waits,
+                         .repeats = 3};
         for (int i = 0; i < TIMES; ++i) {
-            invent(&f);
+            kernel_pair_invent(&f);
             duet_tune_outcome o = tune_fake(&f, "balance");
             a_trial[k] += (double)o.launches / o.trials / TIMES;
         }
@@ -412,12 +240,12 @@ TEST(short_launches_count_more_often_only_if_they_scatter)
 TEST(equal_devices_get_the_kernels_that_are_best_while_both_work)
 {
     enum { TIMES = 50, BEST = 4, ALONE = 3 };
-    fake f = {.random = rng_seed(test_seed() + 6), .unit_ns = 1e7, .sigma = 0.01};
+    kernel_pair f = {.random = rng_seed(test_seed() + 6), .unit_ns = 1e7, .sigma = 0.01};
     for (int i = 0; i < TIMES; ++i) {
-        invent(&f);
+        kernel_pair_invent(&f);
         f.slower = 1;
         for (int device = 0; device < 2; ++device) {
-            for (uint32_t c = 0; c < CONFIGS; ++c)
+            for (uint32_t c = 0; c < KERNEL_PAIR_CONFIGS; ++c)
                 f.factor[device][c] = 1.5;
             f.factor[device][BEST] = 1.1;
             f.factor[device][ALONE] = 1;
@@ -425,8 +253,8 @@ TEST(equal_devices_get_the_kernels_that_are_best_while_both_work)
         f.crowded[ALONE] = 0.3;
         duet_tune_outcome o = tune_fake(&f, "balance");
         assert_true(o.plan.share > 0 && o.plan.share < DUET_SHARE_ONE);
-        assert_int_equal(read_config(&f, o.plan.variant_a), BEST);
-        assert_int_equal(read_config(&f, o.plan.variant_b), BEST);
+        assert_int_equal(kernel_pair_config(&f, o.plan.variant_a), BEST);
+        assert_int_equal(kernel_pair_config(&f, o.plan.variant_b), BEST);
     }
 }
 
@@ -436,10 +264,10 @@ TEST(a_small_budget_is_enough_for_a_verdict_on_sharing)
 {
     static const char *const names[] = {"random", "annealing"};
     for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
-        fake f = {
+        kernel_pair f = {
             .random = rng_seed(test_seed() + 5), .unit_ns = 1e7, .sigma = 0.01, .most_trials = 90};
         for (int i = 0; i < 20; ++i) {
-            invent(&f);
+            kernel_pair_invent(&f);
             f.slower = 400; // even a sixteenth on A takes 25 times as long as all on B
             duet_tune_outcome o = tune_fake(&f, names[k]);
             assert_true(o.trials <= f.most_trials);
@@ -456,11 +284,11 @@ TEST(long_launches_count_once)
 {
     double launches[2]; // a trial
     for (int i = 0; i < 2; ++i) {
-        fake f = {.random = rng_seed(test_seed() + 7),
-                  .unit_ns = i == 0 ? 2e7 : 2e10,
-                  .sigma = 0.01,
-                  .repeats = 3};
-        invent(&f);
+        kernel_pair f = {.random = rng_seed(test_seed() + 7),
+                         .unit_ns = i == 0 ? 2e7 : 2e10,
+                         .sigma = 0.01,
+                         .repeats = 3};
+        kernel_pair_invent(&f);
         duet_tune_outcome o = tune_fake(&f, "random");
         assert_int_equal(o.launches, f.launches);
         launches[i] = (double)o.launches / o.trials;
@@ -470,8 +298,8 @@ TEST(long_launches_count_once)
 
 TEST(no_plan_is_measured_twice)
 {
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
-    invent(&f);
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair_invent(&f);
     own(joint_space) s = open_space(&f);
     for (int k = 0; strategies[k]; ++k) {
         if (strategies[k]->choice == STRATEGY_SHARE)
@@ -493,24 +321,23 @@ TEST(no_plan_is_measured_twice)
     }
 }
 
-// Stopped after every few trials, and taken up from JSON each time.
+// Stopped after every few trials, and taken up from the store each time.
 TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 {
     static const char *const names[] = {"random", "annealing"};
     for (int k = 0; k < 2; ++k) {
-        fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
-        invent(&f);
+        kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+        kernel_pair_invent(&f);
         duet_tune_outcome expected = tune_fake(&f, names[k]), o;
         duet_error err = {0};
         trial_log log = {0};
         uint32_t stops = 0;
-        for (f.stop_after = 9; !run_fake(&f, names[k], NULL, &log, &o, &err); ++stops) {
-            own(text) json = {0};
+        record r = test_record(test_store_fresh());
+        f.record = &r;
+        for (f.stop_after = 9; !kernel_pair_tune(&f, names[k], NULL, &log, &o, &err); ++stops) {
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
-            trial_log_to_json(&log, &json);
-            trial_log_free(&log);
-            must(trial_log_from_json(&log, text_chars(&json), ERR));
+            test_record_again(&r, &log);
         }
         assert_true(stops > 10);
         assert_string_equal(o.plan.variant_a, expected.plan.variant_a);
@@ -522,11 +349,11 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 
 // ---------------------------------------------------------------- scripts
 
-static bool tune_by(fake *f, const char *chars, duet_tune_outcome *o, duet_error *err)
+static bool tune_by(kernel_pair *f, const char *chars, duet_tune_outcome *o, duet_error *err)
 {
     own(trial_log) log = {0};
     script *own = strategy_lua_open("s.lua", chars, err);
-    bool ok = own && run_fake(f, "lua", own, &log, o, err);
+    bool ok = own && kernel_pair_tune(f, "lua", own, &log, o, err);
     script_close(own);
     return ok;
 }
@@ -556,13 +383,13 @@ TEST(a_script_searches_kernels_and_share_together)
         "  if n < 2 * na + 17 then return { share = space.shares[n - 2 * na + 1], configs = "
         "configs } end\n"
         "end }\n";
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
     for (int i = 0; i < 5; ++i) {
         duet_tune_outcome o;
-        invent(&f);
+        kernel_pair_invent(&f);
         must(tune_by(&f, chars, &o, ERR));
-        assert_int_equal(o.plans_tried, 2 * CONFIGS + POINTS + 1);
-        assert_true(time_of_plan(&f, &o.plan) <= least_time(&f) + 1e-12);
+        assert_int_equal(o.plans_tried, 2 * KERNEL_PAIR_CONFIGS + KERNEL_PAIR_POINTS + 1);
+        assert_true(kernel_pair_time_of_plan(&f, &o.plan) <= kernel_pair_least_time(&f) + 1e-12);
     }
 }
 
@@ -575,8 +402,8 @@ TEST(a_script_that_gives_no_plan_is_told_what_was_expected)
         {"return { joint = function() return { share = 0.5, configs = { 13, 1 } } end }",
          "config 1 is 13; expected 1 to 12"},
     };
-    fake f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
-    invent(&f);
+    kernel_pair f = {.random = rng_seed(test_seed()), .unit_ns = 1e7};
+    kernel_pair_invent(&f);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         duet_tune_outcome o;
         must_fail(tune_by(&f, wrong[i][0], &o, ERR), DUET_STATUS_BAD_INPUT, wrong[i][1]);

@@ -2,6 +2,8 @@
 // The search of kernels' parameters on kernels that are only arithmetic.
 #include "support/test.h"
 
+#include "support/recorded.h"
+#include "support/store.h"
 #include "tuner/kernel_search.h"
 #include "tuner/tune.h"
 
@@ -20,7 +22,8 @@ typedef struct fake {
     rng random;
     int64_t wrong, broken; // values of P0 that find other pairs, that do not build; 0: none
     uint32_t launches, stop_after;
-    uint32_t told; // how many trials there are, during the search of kernels
+    uint32_t told;  // how many trials there are, during the search of kernels
+    record *record; // that keeps the trials; NULL: none does
 } fake;
 
 // The number of values that the kernels that search pairs have on a GPU and on a CPU.
@@ -185,6 +188,8 @@ static bool run_fake(fake *f, const duet_tune_def *def, trial_log *state,
         .machine = {.context = f, .launch = launch_fake, .read_kernels = read_fake, .hash = RIGHT},
         .plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"},
         .least_share = 8};
+    if (f->record)
+        problem.recorder = record_recorder(f->record);
     return tune_run(&problem, state, outcome, err);
 }
 
@@ -382,7 +387,7 @@ TEST(values_that_go_together_are_reached)
     assert_int_equal(chosen[1], 4);
 }
 
-// Stopped after every few trials, and taken up from JSON each time.
+// Stopped after every few trials, and taken up from the store each time.
 TEST(a_resumed_search_ends_as_an_uninterrupted_one)
 {
     fake whole = {.random = rng_seed(test_seed())};
@@ -393,16 +398,15 @@ TEST(a_resumed_search_ends_as_an_uninterrupted_one)
     duet_tune_outcome expected = tune_fake(&whole, &def, &log), o;
     trial_log_free(&log);
     duet_error err = {0};
+    record r = test_record(test_store_fresh());
+    f.record = &r;
     f.stop_after = 5;
     def.watch_context = &f;
     uint32_t stops = 0;
     while (!run_fake(&f, &def, &log, &o, &err)) {
         assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
-        own(text) json = {0};
         err = (duet_error){0};
-        trial_log_to_json(&log, &json);
-        trial_log_free(&log);
-        must(trial_log_from_json(&log, text_chars(&json), ERR));
+        test_record_again(&r, &log);
         assert_true(++stops < 200);
     }
     assert_true(stops > 3);

@@ -41,7 +41,7 @@ static int close_store(void **state)
 // take SPREAD more from one to the next.
 static void record_invented(store *s)
 {
-    int64_t pair_id, workload_id, number;
+    int64_t pair_id, workload_id, number = 0;
     char id[PROFILE_ID];
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(INVENTED);
@@ -61,7 +61,7 @@ static void record_invented(store *s)
             samples[k].a_ns = llround((double)samples[0].a_ns * longer);
             samples[k].b_ns = llround((double)samples[0].b_ns * longer);
         }
-        must(profile_trial_add(s, id, &row, NULL, &number, ERR));
+        must(profile_trial_add(s, id, number++, &row, ERR));
     }
 }
 
@@ -191,7 +191,7 @@ static void record_plan(store *s, const char *session, double share, int a, int 
 {
     profile_sample samples[3];
     profile_trial row = test_trial(INVENTED, share, samples, 3);
-    int64_t number;
+    int64_t number = test_count(s, "trial");
     for (int k = 0; k < 3; ++k) {
         samples[k].total_ns = llround(joint_ns(share, a, b));
         samples[k].a_ns = llround(joint_ns(share, a, b) * (share > 0));
@@ -199,7 +199,7 @@ static void record_plan(store *s, const char *session, double share, int a, int 
     }
     strcpy(row.plan.variant_a, kernels[a].variant);
     strcpy(row.plan.variant_b, kernels[b].variant);
-    must(profile_trial_add(s, session, &row, NULL, &number, ERR));
+    must(profile_trial_add(s, session, number, &row, ERR));
 }
 
 // Keeps what brute force would have: every config of both devices at each share of a grid.

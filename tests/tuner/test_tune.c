@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: MIT
 // The whole tuning on devices that are only arithmetic.
+#define _GNU_SOURCE
 #include "support/test.h"
 
 #include "base/budget.h"
+#include "support/recorded.h"
 #include "support/simulated_pair.h"
+#include "support/store.h"
 #include "tuner/trial_budget.h"
+
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 enum { RIGHT = 4711 };
 
@@ -37,10 +45,20 @@ typedef struct fake {
     uint32_t staged;     // launches timed by stages
     uint32_t stop_after; // trials; 0: never
     uint32_t recorded;
-    double disturbed; // part of the launches that another program disturbs, of the first ones
-    bool one_core;    // it is the system that disturbs them, and no other program is there
-    uint32_t looks;   // at other programs, after which these are gone
-    uint32_t waits;   // that the watch was told of
+    record *record;       // that keeps the trials; NULL: none does
+    const trial_log *log; // a trial's noise follows from how many are in it; NULL: from `random`
+    uint64_t seed;        // and from this
+    double launch_ms;     // that all of the work is said to take; 0: launches do all of it
+    uint32_t part;        // that launches do; 0: all
+    uint32_t wholes;      // launches of all of the work, where parts are done
+    double start_ms;      // that each launch takes besides
+    double penalty;       // of sharing all of the work, which no part tells of; 0: none
+    double spent_s;       // by launches
+    uint32_t *shared;     // counts launches of all processes; NULL: nobody does
+    double disturbed;     // part of the launches that another program disturbs, of the first ones
+    bool one_core;        // it is the system that disturbs them, and no other program is there
+    uint32_t looks;       // at other programs, after which these are gone
+    uint32_t waits;       // that the watch was told of
 } fake;
 
 // Slow for some 20 launches, fast for some 30, and each device by itself.
@@ -63,6 +81,25 @@ static void disturb(fake *f, const duet_plan *plan, measure_launch *launch)
     launch->use.disturbed = true;
 }
 
+static void set_part(void *context, uint32_t part)
+{
+    ((fake *)context)->part = part;
+}
+
+// A start cost comes to each launch, whatever it does.
+static void take_part(fake *f, bool shared, measure_launch *launch)
+{
+    bool all = f->part == 0 || f->part == DUET_SHARE_ONE;
+    double part = all ? 1 : (double)f->part / DUET_SHARE_ONE;
+    double longer = all && shared && f->penalty > 0 ? f->penalty : 1;
+    int64_t *times[] = {&launch->total_ns, &launch->a_ns, &launch->b_ns};
+    for (int i = 0; i < 3; ++i)
+        *times[i] =
+            *times[i] == 0 ? 0 : (int64_t)((double)*times[i] * part * longer + 1e6 * f->start_ms);
+    f->wholes += f->part == DUET_SHARE_ONE;
+    f->spent_s += (double)launch->total_ns * 1e-9;
+}
+
 static core_others look_fake(void *context)
 {
     fake *f = context;
@@ -81,6 +118,10 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     fake *f = context;
     ++f->launches;
     f->staged += staged;
+    if (f->shared)
+        ++*f->shared;
+    if (f->log && staged)
+        f->random = rng_seed(f->seed + f->log->played);
     bool a = plan->share > 0, b = plan->share < DUET_SHARE_ONE;
     if ((a && strcmp(plan->variant_a, "broken") == 0) ||
         (b && strcmp(plan->variant_b, "broken") == 0)) {
@@ -103,6 +144,7 @@ static bool launch_fake(void *context, const duet_plan *plan, bool staged, measu
     launch->a_ns = (int64_t)((double)launch->a_ns * factor);
     launch->b_ns = (int64_t)((double)launch->b_ns * factor);
     launch->total_ns = launch->a_ns > launch->b_ns ? launch->a_ns : launch->b_ns;
+    take_part(f, a && b, launch);
     disturb(f, plan, launch);
     bool wrong = (a && strcmp(plan->variant_a, "wrong") == 0) ||
                  (b && strcmp(plan->variant_b, "wrong") == 0);
@@ -157,7 +199,9 @@ static void ask_fake(fake *f, question *q)
         .machine = {.context = f,
                     .launch = launch_fake,
                     .hash = RIGHT,
-                    .look_at_others = look_fake},
+                    .look_at_others = look_fake,
+                    .set_part = f->launch_ms > 0 ? set_part : NULL,
+                    .launch_ms = f->launch_ms},
         .plan = {.mode = DUET_MODE_OWN},
         .whole = {f->whole, f->whole ? open_fake : NULL},
         .one_device = f->one_device,
@@ -169,6 +213,8 @@ static void ask_fake(fake *f, question *q)
     plan_set_variants(&q->problem.plan, f->usual ? f->usual : "auto");
     if (f->usual_b)
         strcpy(q->problem.plan.variant_b, f->usual_b);
+    if (f->record)
+        q->problem.recorder = record_recorder(f->record);
 }
 
 static bool run_fake(fake *f, trial_log *log, duet_error *err)
@@ -508,31 +554,176 @@ static void assert_same(const duet_tune_outcome *a, const duet_tune_outcome *b)
     assert_true(a->terms.cpu1 > 0 && a->terms.cpu1 == b->terms.cpu1);
 }
 
-// Stopped after every few trials, and taken up from JSON each time.
+// Stopped after every few trials, and taken up from the store each time; the races with the
+// undivided device, too.
 TEST(a_resumed_tuning_ends_as_an_uninterrupted_one)
 {
     uint64_t seed = test_seed();
-    fake whole = {.model = {.ratio = 6, .overhead = {0.1, 0.05}, .sigma = 0.04},
-                  .random = rng_seed(seed)};
+    fake undivided = {.model = HALVES(0, 0.02), .random = rng_seed(seed)}, again;
+    fake whole = {.model = {.ratio = 1.5, .overhead = {0.1, 0.05}, .sigma = 0.04},
+                  .random = rng_seed(seed),
+                  .whole = &again};
+    again = undivided;
     tune_fake(&whole);
+    uint32_t launches = again.launches;
     for (uint32_t stop = 1; stop <= 7; stop += 3) {
-        fake f = {.model = whole.model, .random = rng_seed(seed), .stop_after = stop};
-        trial_log kept = {0};
+        record r = test_record(test_store_fresh());
+        fake f = {.model = whole.model,
+                  .random = rng_seed(seed),
+                  .stop_after = stop,
+                  .whole = &again,
+                  .record = &r};
+        own(trial_log) kept = {0};
         duet_error err = {0};
         uint32_t stops = 0;
+        again = undivided;
         while (!run_fake(&f, &kept, &err)) {
             assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
             err = (duet_error){0};
-            own(text) json = {0};
-            trial_log_to_json(&kept, &json);
-            trial_log_free(&kept);
-            must(trial_log_from_json(&kept, text_chars(&json), ERR));
+            test_record_again(&r, &kept);
             assert_true(++stops < 500);
         }
         assert_same(&f.got, &whole.got);
+        assert_true(f.got.whole_gain_low == whole.got.whole_gain_low);
+        assert_true(launches > 0 && again.launches == launches);
         assert_int_equal(f.launches, whole.launches);
-        trial_log_free(&kept);
     }
+}
+
+// ---------------------------------------------------------------- long launches
+
+// Of 10 s by one device.
+static fake long_ones(uint64_t seed, double ratio, double start_ms)
+{
+    return (fake){.model = {.ratio = ratio, .sigma = 0.02},
+                  .random = rng_seed(seed),
+                  .factor = 1000,
+                  .launch_ms = 5000,
+                  .start_ms = start_ms};
+}
+
+TEST(long_launches_are_compared_on_a_part_of_the_items)
+{
+    static const double starts[] = {0, 0.5, 10};
+    uint64_t seed = test_seed();
+    for (int i = 0; i < 9; ++i) {
+        double ratio = (double[]){1, 1.7, 4}[i % 3];
+        fake f = long_ones(seed + (uint64_t)i, ratio, starts[i / 3]);
+        duet_tune_outcome o = tune_fake(&f);
+        double best_ms = 1e4 * ratio / (1 + ratio);
+        assert_true(is_called(&f, "faster"));
+        assert_true(simulated_excess(&f.model, o.plan.share) < 0.03);
+        assert_true(fabs(o.step_ms / best_ms - 1) < 0.1 && fabs(o.single_ms / 1e4 - 1) < 0.1);
+        assert_true(o.step_low_ms < o.step_ms && o.step_ms < o.step_high_ms);
+        assert_in_range(f.wholes, 2, 8);
+        print_message("ratio %.1f, start %.1f ms: %u launches, %.1f s\n", ratio, starts[i / 3],
+                      f.launches, f.spent_s);
+        assert_true(f.spent_s < 120); // by all items 200 launches of 5 to 10 s
+    }
+}
+
+// The part grows until a start cost is small beside it.
+TEST(a_part_is_as_large_as_a_start_needs)
+{
+    fake f = long_ones(test_seed(), 1, 0);
+    own(trial_log) none = {0}, some = {0};
+    f.model.sigma = 0;
+    must(run_fake(&f, &none, ERR));
+    f.start_ms = 20;
+    must(run_fake(&f, &some, ERR));
+    int32_t without = none.entries[none.n / 2].scope, with = some.entries[some.n / 2].scope;
+    assert_in_range(without, DUET_SHARE_ONE / 512, DUET_SHARE_ONE / 128);
+    assert_in_range(with, 4 * without, 16 * without);
+    assert_int_equal(some.entries[some.n - 1].scope, DUET_SHARE_ONE);
+}
+
+// By any part sharing is nearly twice as fast.
+TEST(a_part_that_misleads_is_found_out)
+{
+    fake f = long_ones(test_seed(), 1, 0);
+    f.penalty = 3;
+    duet_tune_outcome o = tune_fake(&f);
+    assert_false(is_called(&f, "faster"));
+    assert_true(o.plan.share == 0 || o.plan.share == DUET_SHARE_ONE);
+    assert_true(o.gain_high < 0 && fabs(o.step_ms / 1e4 - 1) < 0.1);
+}
+
+TEST(a_long_tuning_that_is_taken_up_goes_on_with_its_part)
+{
+    fake f = long_ones(test_seed(), 1.7, 0.5);
+    f.model.sigma = 0;
+    fake whole = f;
+    tune_fake(&whole);
+    record r = test_record(test_store_fresh());
+    f.record = &r;
+    f.stop_after = 3;
+    own(trial_log) kept = {0};
+    duet_error err = {0};
+    while (!run_fake(&f, &kept, &err)) {
+        assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
+        err = (duet_error){0};
+        f.launch_ms *= 0.8; // another estimate
+        test_record_again(&r, &kept);
+    }
+    assert_int_equal(f.got.plan.share, whole.got.plan.share);
+    assert_int_equal(f.got.trials, whole.got.trials);
+    assert_string_equal(f.got.verdict, whole.got.verdict);
+}
+
+// ---------------------------------------------------------------- kills
+
+static void tune_in_a_process(fake *f, const char *path)
+{
+    duet_error err = {0};
+    own(trial_log) log = {0};
+    store *s = store_open(path, STORE_WRITE, &err);
+    record r = test_record(s);
+    f->record = &r;
+    f->log = &log;
+    bool ok = record_recall(&r, &log, &err) && run_fake(f, &log, &err);
+    store_close(s);
+    fprintf(stderr, "%s", err.text);
+    _exit(ok ? 0 : 1);
+}
+
+// Killed at any moment, again and again: no more is lost each time than the trial at hand.
+TEST(a_killed_tuning_goes_on_from_what_it_has_stored)
+{
+    enum { A_TRIAL = 4 }; // launches
+    test_folder folder = test_folder_make();
+    rng r = rng_seed(test_seed());
+    const fake f = {.model = {.ratio = 6, .overhead = {0.1, 0.05}, .sigma = 0.04},
+                    .seed = test_seed()};
+    fake whole = f, last = f;
+    own(trial_log) log = {0}, stored = {0};
+    whole.log = &log;
+    must(run_fake(&whole, &log, ERR));
+    last.shared =
+        mmap(NULL, sizeof *last.shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    assert_true(last.shared != MAP_FAILED);
+    store_close(test_store_open(folder.store, STORE_WRITE));
+    int status, kills = 0;
+    do {
+        pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0)
+            tune_in_a_process(&last, folder.store);
+        usleep(rng_below(&r, 9000) * (uint32_t)(1 + kills / 20)); // a slow machine gets there too
+        kill(child, SIGKILL);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        kills += WIFSIGNALED(status) != 0;
+    } while (WIFSIGNALED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    print_message("killed %d times, %u launches of %u\n", kills, *last.shared, whole.launches);
+    assert_in_range(*last.shared, whole.launches, whole.launches + A_TRIAL * (uint32_t)kills);
+    record kept = test_record(test_store_open(folder.store, STORE_WRITE));
+    test_record_again(&kept, &stored);
+    uint32_t before = last.launches;
+    must(run_fake(&last, &stored, ERR));
+    assert_int_equal(last.launches, before); // all of it was stored
+    assert_same(&last.got, &whole.got);
+    store_close(kept.store);
+    munmap(last.shared, sizeof *last.shared);
 }
 
 // Whatever is chosen from, from the least budget on.
@@ -654,12 +845,10 @@ static bool launch_stopped(void *context, const duet_plan *plan, bool staged,
     return launch_fake(context, plan, staged, launch, err);
 }
 
-static bool count_recorded(void *context, const duet_plan *plan, const measurement *m,
-                           const trial_log *state, duet_error *err)
+static bool count_recorded(void *context, uint32_t number, const measurement *m, duet_error *err)
 {
-    (void)plan;
+    (void)number;
     (void)m;
-    (void)state;
     (void)err;
     ++((fake *)context)->recorded;
     return true;
@@ -696,14 +885,22 @@ TEST(a_start_from_a_neighbour_saves_trials)
 
 TEST(a_log_of_another_tuning_is_forgotten_where_it_differs)
 {
-    fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed())};
+    store *s = test_store_fresh();
+    record r = test_record(s);
+    fake f = {.model = {.ratio = 3, .sigma = 0.02}, .random = rng_seed(test_seed()), .record = &r};
     own(trial_log) kept = {0};
     must(run_fake(&f, &kept, ERR));
+    assert_int_equal(test_count(s, "trial"), f.got.trials);
     kept.entries[2].plan.share += 5;
     uint32_t known = kept.entries[0].launches + kept.entries[1].launches;
     uint32_t before = f.launches;
     must(run_fake(&f, &kept, ERR));
     assert_int_equal(f.launches - before, f.got.launches - known);
+    assert_int_equal(test_count(s, "trial"), f.got.trials);
+    test_record_again(&r, &kept);
+    before = f.launches;
+    must(run_fake(&f, &kept, ERR));
+    assert_int_equal(f.launches, before);
 }
 
 static fake halves(uint64_t seed, double disturbed, uint32_t looks, double wait_seconds)

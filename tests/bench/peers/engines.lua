@@ -54,8 +54,8 @@ function engines.scene(bodies, def)
   return scene
 end
 
--- Whether the engine is the one that is asked for, or all are.
-local function is_asked(name, only) return only == "all" or only == name end
+-- Whether the engine is one of those that are asked for (names with commas between), or all are.
+local function is_asked(name, only) return only == "all" or ("," .. only .. ","):find("," .. name .. ",", 1, true) end
 
 -- Returns a list of what runs the engines that are asked for: Duet's, and others' made by `make_other` of the
 -- path of a program, for those that were built, in `dir`.
@@ -76,11 +76,12 @@ end
 -- Returns the engine's name, ms of processor time and of the clock a step, bodies awake at the end, and for
 -- every `every` steps, and the last, an array of rows: centre, half extents, quaternion, velocity and angular
 -- velocity of each body. Without a name the engine failed, as one that lacks a shape does, or took more than
--- `seconds`, if these are given.
-function engines.run(program, pile, n, steps, every, seconds)
+-- `seconds`, if these are given. It has one thread if `threads` is nil.
+function engines.run(program, pile, n, steps, every, seconds, threads)
   local states = os.tmpname()
   local limit = seconds and ("timeout %d "):format(seconds) or ""
-  local out <close> = assert(io.popen(("%s%s %s %s %d %d"):format(limit, program, pile, states, steps, every)))
+  local out <close> = assert(io.popen(("%s%s %s %s %d %d %s"):format(limit, program, pile, states, steps, every,
+    threads or "")))
   local name, ms, wall, awake = (out:read "l" or ""):match "^(.*)\t(.*)\t(.*)\t(.*)$"
   local frames = {}
   for line in io.lines(states) do
@@ -95,6 +96,16 @@ function engines.run(program, pile, n, steps, every, seconds)
   end
   os.remove(states)
   return name, tonumber(ms), tonumber(wall), tonumber(awake), frames
+end
+
+-- Returns the command that runs the Lua script in another process, with as many units of PoCL's CPU as `threads`,
+-- or all if it is nil.
+function engines.duet_command(script, threads)
+  local out <close> = assert(io.popen "readlink /proc/$PPID/exe")
+  local program = out:read "l"
+  if not program:match "/lua[^/]*$" then program = program .. " lua --trust" end
+  local units = threads and ("env POCL_CPU_MAX_CU_COUNT=%d POCL_MAX_PTHREAD_COUNT=%d "):format(threads, threads) or ""
+  return ("%s%s %s"):format(units, program, script) -- PoCL 3 knows the second name
 end
 
 return engines

@@ -11,10 +11,11 @@
 // Before each step behind the first `settled`, `churn` bodies are removed, others each time and
 // never the first, and put where they began.
 //
-// A program takes PILE STATES STEPS EVERY, steps the bodies on one thread, writes a line of centre,
-// half extents, quaternion, velocity and angular velocity for each to STATES after every EVERY
-// steps, and prints one line: its name, the processor time and the clock's of a step in ms, the
-// mean of those behind `settled`, and how many bodies are awake at the end.
+// A program takes PILE STATES STEPS EVERY [THREADS], steps the bodies on as many threads (one
+// without the last argument), writes a line of centre, half extents, quaternion, velocity and
+// angular velocity for each to STATES after every EVERY steps, and prints one line: its name, the
+// processor time of all threads and the clock's of a step in ms, the mean of those behind
+// `settled`, and how many bodies are awake at the end.
 #ifndef PILE_H
 #define PILE_H
 
@@ -22,13 +23,15 @@
 #include <stdlib.h>
 #include <time.h>
 
+enum { PILE_MAX_THREADS = 32 }; // Box3D's greatest
+
 typedef struct pile_body {
     float centre[3], half[3], rotation[4], radius, mass, velocity[3], spin[3];
 } pile_body;
 
 // `given` are the bodies as they began; seconds are of those steps that count.
 typedef struct pile {
-    unsigned n, substeps, steps, every, settled, churn;
+    unsigned n, substeps, steps, every, settled, churn, threads;
     float dt, gravity, friction, restitution;
     int sleep, walls, continuous;
     float lower[3], upper[3];
@@ -71,7 +74,7 @@ static inline void pile_read_bodies(pile *p, FILE *f)
 static inline pile pile_read(int argc, char **argv)
 {
     pile p = {0};
-    pile_need(argc == 5, "give PILE STATES STEPS EVERY");
+    pile_need(argc == 5 || argc == 6, "give PILE STATES STEPS EVERY [THREADS]");
     FILE *f = fopen(argv[1], "r");
     pile_need(f != NULL, "no pile of that name");
     float *l = p.lower, *u = p.upper;
@@ -84,6 +87,9 @@ static inline pile pile_read(int argc, char **argv)
     p.steps = (unsigned)atoi(argv[3]);
     p.every = (unsigned)atoi(argv[4]);
     pile_need(p.every > 0, "EVERY is 1 or more");
+    int threads = argc == 6 ? atoi(argv[5]) : 1;
+    pile_need(threads > 0 && threads <= PILE_MAX_THREADS, "THREADS is 1 to 32");
+    p.threads = (unsigned)threads;
     p.states = fopen(argv[2], "w");
     pile_need(p.states != NULL, "the states cannot be written");
     return p;

@@ -93,7 +93,7 @@ int main(int argc, char **argv)
     pile p = pile_read(argc, argv);
     b3WorldDef def = b3DefaultWorldDef();
     def.gravity = (b3Vec3){0, 0, p.gravity};
-    def.workerCount = 1;
+    def.workerCount = p.threads;
     def.enableSleep = p.sleep;
     world w = {b3CreateWorld(&def), &p, malloc(p.n * sizeof *w.bodies)};
     pile_each_wall(&p, add_wall, &w);

@@ -2,11 +2,56 @@
 // A pile in Bullet 3's rigid bodies on the CPU.
 #include "pile.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolverMt.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
+#include <LinearMath/btThreads.h>
 #include <btBulletDynamicsCommon.h>
+#include <memory>
 #include <vector>
 
 namespace
 {
+// A world and what it is made of: on one thread the classes that Bullet has had for long, on more
+// those whose names end in Mt.
+struct Simulation {
+    btDefaultCollisionConfiguration configuration;
+    btDbvtBroadphase broad_phase;
+    btSequentialImpulseConstraintSolver solver;
+    std::unique_ptr<btCollisionDispatcher> dispatcher;
+    std::unique_ptr<btConstraintSolverPoolMt> pool;
+    std::unique_ptr<btSequentialImpulseConstraintSolverMt> solver_mt;
+    std::unique_ptr<btDiscreteDynamicsWorld> dynamics;
+
+    explicit Simulation(unsigned threads)
+    {
+        if (threads == 1)
+            make_sequential();
+        else
+            make_parallel(static_cast<int>(threads));
+    }
+
+  private:
+    void make_sequential()
+    {
+        dispatcher = std::make_unique<btCollisionDispatcher>(&configuration);
+        dynamics = std::make_unique<btDiscreteDynamicsWorld>(dispatcher.get(), &broad_phase,
+                                                             &solver, &configuration);
+    }
+    void make_parallel(int threads)
+    {
+        btITaskScheduler *scheduler = btCreateDefaultTaskScheduler();
+        pile_need(scheduler != nullptr, "Bullet was built without threads");
+        scheduler->setNumThreads(threads);
+        btSetTaskScheduler(scheduler);
+        dispatcher = std::make_unique<btCollisionDispatcherMt>(&configuration);
+        pool = std::make_unique<btConstraintSolverPoolMt>(threads);
+        solver_mt = std::make_unique<btSequentialImpulseConstraintSolverMt>();
+        dynamics = std::make_unique<btDiscreteDynamicsWorldMt>(
+            dispatcher.get(), &broad_phase, pool.get(), solver_mt.get(), &configuration);
+    }
+};
+
 struct World {
     btDiscreteDynamicsWorld *dynamics;
     const pile *p;
@@ -95,13 +140,9 @@ void renew(void *world, const pile *p, unsigned i)
 int main(int argc, char **argv)
 {
     pile p = pile_read(argc, argv);
-    btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher(&configuration);
-    btDbvtBroadphase broad_phase;
-    btSequentialImpulseConstraintSolver solver;
-    btDiscreteDynamicsWorld dynamics(&dispatcher, &broad_phase, &solver, &configuration);
-    dynamics.setGravity(btVector3(0, 0, p.gravity));
-    World w = {&dynamics, &p, {}};
+    Simulation simulation(p.threads);
+    simulation.dynamics->setGravity(btVector3(0, 0, p.gravity));
+    World w = {simulation.dynamics.get(), &p, {}};
     pile_each_wall(&p, add_wall, &w);
     for (unsigned i = 0; i < p.n; ++i)
         w.bodies.push_back(add(&w, p.bodies + i));

@@ -4,6 +4,7 @@
 
 #include <Jolt/Core/Factory.h>
 #include <Jolt/Core/JobSystemSingleThreaded.h>
+#include <Jolt/Core/JobSystemThreadPool.h>
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyCreationSettings.h>
 #include <Jolt/Physics/Collision/Shape/BoxShape.h>
@@ -16,6 +17,7 @@
 #include "pile.h"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 namespace
@@ -133,6 +135,16 @@ void renew(void *world, const pile *p, unsigned i)
     w->system->GetBodyInterface().DestroyBody(w->ids[i]);
     w->ids[i] = add(w, p->given + i);
 }
+
+// The thread that steps does jobs too.
+std::unique_ptr<JPH::JobSystem> make_jobs(unsigned threads)
+{
+    using namespace JPH;
+    if (threads == 1)
+        return std::make_unique<JobSystemSingleThreaded>(cMaxPhysicsJobs);
+    return std::make_unique<JobSystemThreadPool>(cMaxPhysicsJobs, cMaxPhysicsBarriers,
+                                                 static_cast<int>(threads) - 1);
+}
 } // namespace
 
 int main(int argc, char **argv)
@@ -143,14 +155,14 @@ int main(int argc, char **argv)
     Factory::sInstance = new Factory;
     RegisterTypes();
     TempAllocatorImpl memory(1u << 30);
-    JobSystemSingleThreaded jobs(cMaxPhysicsJobs);
+    std::unique_ptr<JobSystem> jobs = make_jobs(p.threads);
     Layers layers;
     MeetsLayer meets_layer;
     Meets meets;
     PhysicsSystem system;
     system.Init(p.n + 64, 0, 16 * p.n + 4096, 12 * p.n + 4096, layers, meets_layer, meets);
     system.SetGravity(Vec3(0, 0, p.gravity));
-    World w = {&system, &p, &memory, &jobs, {}};
+    World w = {&system, &p, &memory, jobs.get(), {}};
     pile_each_wall(&p, add_wall, &w);
     for (unsigned i = 0; i < p.n; ++i)
         w.ids.push_back(add(&w, p.bodies + i));

@@ -9,6 +9,7 @@
 -- (by 0.9 of their height or more) and when the first did, and for a seam the part of its speed that the body
 -- keeps and how high it hops in mm.
 local duet = require "duet"
+io.stdout:setvbuf "line" -- rows of a run that is stopped are not lost
 
 local dir, only = arg[1], arg[2] or "all"
 if not dir then error("give the folder of the engines' programs", 0) end

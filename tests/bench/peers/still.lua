@@ -3,11 +3,12 @@
 --
 --     duet lua --trust tests/bench/peers/still.lua DIR N RUNS DEVICE PLATFORM
 --
--- DIR holds still_bullet and still_embree (CMakeLists.txt beside this file). DEVICE is Duet's
--- selector, PLATFORM a part of the name of its OpenCL platform; they are cpu and Portable. Times
--- are the least of RUNS, in ms: processor time on a CPU, which noise of other programs reaches
--- least, and wall clock on a GPU, for the objects lie on it then.
+-- DIR holds still_bullet and still_embree (CMakeLists.txt beside this file); one that was not built is left out.
+-- DEVICE is Duet's selector, PLATFORM a part of the name of its OpenCL platform; they are cpu and Portable. Times
+-- are the least of RUNS, in ms: processor time on a CPU, which noise of other programs reaches least, and wall clock
+-- on a GPU, for the objects lie on it then.
 local duet = require "duet"
+io.stdout:setvbuf "line" -- rows of a run that is stopped are not lost
 
 local dir, n, runs, selector, platform = arg[1], arg[2] or 1000000, arg[3] or 5, arg[4] or "cpu", arg[5] or "Portable"
 if not dir then error("give the folder of the other programs", 0) end
@@ -43,6 +44,11 @@ local function make_rays() -- each from somewhere in the world to somewhere else
   return rays
 end
 
+local function is_built(name)
+  local file = io.open(dir .. "/" .. name)
+  return file and file:close()
+end
+
 -- Numbers of the one line that a program prints last.
 local function run(command)
   local out <close>, last = assert(io.popen(("cd %s && %s 2>&1"):format(folder, command))), nil
@@ -75,7 +81,7 @@ do
   local ms, result = least(function() return assert(world:step()) end)
   row("Duet " .. duet.version, ms, ("%d pairs that collide of %d candidates"):format(#result, result.candidates))
 end
-do
+if is_built "still_bullet" then
   local wall, processor, sat_wall, sat_processor, candidates, pairs =
     run(("%s/still_bullet boxes %.9g %s %d"):format(dir, 3 ^ 0.5, platform, runs))
   row("Bullet3 OpenCL", on_cpu and processor or wall, ("grid: %d candidates"):format(candidates))
@@ -96,7 +102,7 @@ do
   if on_cpu then row("Duet " .. duet.version, tree_ms, "tree") end
   row(on_cpu and "" or "Duet " .. duet.version, ms, ("%d rays, closest box: %d meet one"):format(n, met))
 end
-if on_cpu then
+if on_cpu and is_built "still_embree" then
   local tree, candidates_ms, rays_ms, candidates, hits =
     run(("%s/still_embree boxes rays %d"):format(dir, runs))
   row("Embree 3", tree, "tree")

@@ -1,16 +1,19 @@
 -- SPDX-License-Identifier: MIT
 -- Worlds beside piles and stacks, in Duet and in other engines:
 --
---     duet lua --trust tests/bench/peers/worlds.lua DIR [SCALE [ENGINE [SECONDS]]]
+--     duet lua --trust tests/bench/peers/worlds.lua DIR [SCALE [ENGINE [SECONDS [SCENES]]]]
 --
 -- DIR holds pile_box3d and its like (CMakeLists.txt beside this file); engines that were not built are left out.
 -- SCALE below 1 makes fewer bodies. ENGINE is duet, box3d, jolt or bullet, and all by default; no scene of
--- another engine takes more than SECONDS. Prints for each scene and engine ms of processor time and of the clock
--- a step, and what the scene is there for. If bodies sleep, the first 60 steps do not count. The others use
--- one thread. Duet's commands before a step count by their processor time. All have the same substeps.
+-- another engine takes more than SECONDS. SCENES are the numbers of those that run, as 1,2,5; all by default.
+-- Prints for each scene and engine ms of processor time and of the clock a step, and what the scene is there for.
+-- If bodies sleep, the first 60 steps do not count. The others use one thread. Duet's commands before a step count
+-- by their processor time. All have the same substeps.
 local duet = require "duet"
+io.stdout:setvbuf "line" -- rows of a run that is stopped are not lost
 
 local dir, scale, only, limit = arg[1], tonumber(arg[2] or 1), arg[3] or "all", tonumber(arg[4] or 600)
+local asked = "," .. (arg[5] or "1,2,3,4,5,6,7,8") .. ","
 if not dir then error("give the folder of the engines' programs", 0) end
 local engines = dofile(arg[0]:match "^(.-)[^/]*$" .. "engines.lua")
 local device = assert(duet.device_pair { a = "cpu", b = "cpu" })
@@ -235,7 +238,7 @@ local function run_all(def)
   end
 end
 
-for _, def in ipairs(scenes) do
+local function run_scene(def)
   def.bodies, def.dt, def.substeps, def.settled = def.make(), dt, substeps, def.sleep and 60 or 0
   def.gravity, def.friction = def.gravity or gravity, def.friction or 0.5
   local begun = {}
@@ -247,5 +250,9 @@ for _, def in ipairs(scenes) do
   engines.write(pile, def.bodies, def)
   run_all(def)
   def.bodies = nil
+end
+
+for i, def in ipairs(scenes) do
+  if asked:find("," .. i .. ",", 1, true) then run_scene(def) end
 end
 os.remove(pile)
