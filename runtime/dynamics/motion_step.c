@@ -103,13 +103,14 @@ static void set_walls(duet_motion *m)
 
 // Sets the steps that bounds last for bodies that keep their velocities, and how many skins they
 // reach ahead at most, which bounds them for those that are fast. A search is of all bodies, further
-// bounds cost those that are awake, slow ones little.
+// bounds cost those that are awake. What leaves the cells that the grid has for most bodies is looked
+// for by all: more steps for more than very few bodies cost more than they save.
 static void set_horizon(duet_motion *m)
 {
     const double least = LEAST_HORIZON, most_steps = 256.0, most_skins = 64.0;
     bool known = product_was_made(&m->products, PRODUCT_AWAKE) && m->awake.n_bodies > 0;
     double part = known ? (double)m->awake.n_bodies / m->n : 1.0;
-    m->args.horizon = real_of(m, fmax(least, fmin(least / pow(part, 0.75), most_steps)));
+    m->args.horizon = real_of(m, fmax(least, fmin(least / sqrt(part), most_steps)));
     m->args.skins = real_of(m, fmax(least, fmin(least / sqrt(part), most_skins)));
 }
 

@@ -691,7 +691,7 @@ TEST(pairs_are_searched_seldom_where_few_are_awake)
     uint32_t searches = count_searches(m, 500);
     mover_run(m, 0);
     assert_close(m->states[ball].centre[0], 5.0, 0.1); // it rolls on
-    if (searches > 2)
+    if (searches > 5)
         fail_msg("%u searches in 500 steps", searches);
 }
 
@@ -700,11 +700,11 @@ TEST(pairs_are_searched_seldom_for_what_fell_off_the_floor)
     mover *m = make_many_sleepers();
     uint32_t cube = mover_add_cube(m, 0, -300, 0.5, 1);
     mover_run(m, 200);
-    uint32_t searches = count_searches(m, 200);
+    uint32_t searches = count_searches(m, 600);
     mover_run(m, 0);
-    assert_true(m->states[cube].centre[2] < -200.0);
-    if (searches > 3)
-        fail_msg("%u searches in 200 steps", searches);
+    assert_true(m->states[cube].centre[2] < -800.0);
+    if (searches > 7)
+        fail_msg("%u searches in 600 steps", searches);
 }
 
 static bool has_stage(const mover *m, const char *name)
