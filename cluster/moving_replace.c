@@ -306,11 +306,11 @@ static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own
     d->n_own = (uint32_t)(d->bodies.n - d->gone.n + d->n_came_own);
     domain_splice(b, d->bodies.rows, r->fresh, sizeof *r->fresh);
     d->bodies.n = b->n;
+    moving_index_places(m, d, own);
     find_carrier(m, d);
     keep_contacts(m, d, own);
     domain_splice(b, d->places, r->places, sizeof *r->places);
     moving_note_fixed(m, d, b->n);
-    moving_index_places(m, d, own);
     fill_contacts(m, d, r);
     if (is_well(own) && domain_keep_far_boxes(d->motion, own) &&
         domain_replace_bodies(d->motion, b, &r->contacts, own))
