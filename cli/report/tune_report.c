@@ -59,19 +59,6 @@ static void clear_line(const tune_report *r)
         fprintf(stderr, "\r\033[K");
 }
 
-// Says once, on a terminal, how long the tuning takes, if that is long enough to wonder.
-static void tell_expected(tune_report *r, const duet_tune_progress *p)
-{
-    static const double long_s = 10;
-    if (r->told == r->number || p->expected_seconds == 0)
-        return;
-    r->told = r->number;
-    if (p->expected_seconds < long_s)
-        return;
-    clear_line(r);
-    fprintf(stderr, "%.45s: takes about %.0f s\n", r->name, p->expected_seconds);
-}
-
 // At most, by the trials or the time that are left; below 0 if nothing bounds it.
 static double seconds_left(const tune_report *r, const duet_tune_progress *p)
 {
@@ -101,7 +88,10 @@ static void write_progress(const tune_report *r, const duet_tune_progress *p, te
     text_add(shown, ", trial %u", p->trials);
     if (p->most_trials > 0)
         text_add(shown, " of %u", p->most_trials);
-    if (left >= 0)
+    const double expected = p->expected_seconds - p->seconds;
+    if (expected > 0 && (left < 0 || expected < left))
+        text_add(shown, ", about %.0f s left", expected);
+    else if (left >= 0)
         text_add(shown, ", < %.0f s left", left);
     text_add(shown, "%s", p->remembered ? " (measured before)" : "");
 }
@@ -121,7 +111,6 @@ bool tune_report_watch(void *report, const duet_tune_progress *p)
         log_waiting(r, p);
     else {
         text shown = {0};
-        tell_expected(r, p);
         write_progress(r, p, &shown);
         progress_line(text_chars(&shown));
         text_free(&shown);

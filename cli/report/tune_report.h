@@ -24,7 +24,6 @@ typedef struct tune_report {
     bool json;
     bool on_terminal;
     bool waits;    // told so last
-    uint32_t told; // the number of the workload whose time was told
 } tune_report;
 
 tune_report tune_report_begin(bool json, const char *store_path);
