@@ -198,11 +198,16 @@ static bool relay(job *j, int wait_ms)
     return n > 0;
 }
 
-// Ranks that are at work tell what they have done; others end.
-static void ask_to_stop(job *j)
+static void note_asked_ranks(job *j)
 {
     char told;
     j->ranks_asked |= j->asked >= 0 && recv(j->asked, &told, 1, 0) == 1;
+}
+
+// Ranks that are at work tell what they have done; others end.
+static void ask_to_stop(job *j)
+{
+    note_asked_ranks(j);
     if (j->stop_ns > 0 || !interrupt_asked())
         return;
     kill(j->mpirun, MPIRUN_STOPS);
@@ -279,6 +284,7 @@ static bool wait_for(job *j)
     }
     while (relay(j, 0))
         continue;
+    note_asked_ranks(j); // that were since the last look
     return ended == j->mpirun;
 }
 
