@@ -143,7 +143,8 @@ static void add_ghosts_of(moving *m, const moving_domain *d, const moving_travel
 
 static bool stays(const moving_domain *d, uint32_t place)
 {
-    return !bsearch(&place, d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32);
+    return d->gone.n == 0 ||
+           !bsearch(&place, d->gone.rows, d->gone.n, sizeof *d->gone.rows, compare_uint32);
 }
 
 // Own bodies that stay and are near to others, of those that the device lists, and the ground's
