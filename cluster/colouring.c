@@ -35,36 +35,15 @@ static uint64_t merge_equal(waiting_contact *contacts, uint64_t n)
     return kept;
 }
 
-static bool ascends(const waiting_contact *contacts, uint64_t n)
+static uint64_t key_of(const void *row)
 {
-    for (uint64_t i = 1; i < n; ++i)
-        if (compare_ids(&contacts[i - 1], &contacts[i]) > 0)
-            return false;
-    return true;
-}
-
-// Returns false without memory.
-static bool sort_by_keys(waiting_contact *contacts, uint64_t n)
-{
-    keyed_row *keys = malloc(2 * n * sizeof *keys);
-    waiting_contact *before = malloc(n * sizeof *before);
-    const bool ok = keys && before;
-    if (ok)
-        memcpy(before, contacts, n * sizeof *before);
-    for (uint64_t i = 0; ok && i < n; ++i)
-        keys[i] = (keyed_row){(uint64_t)before[i].owner << 32 | before[i].other, i};
-    if (ok)
-        keys_order(keys, n, 64);
-    for (uint64_t i = 0; ok && i < n; ++i)
-        contacts[i] = before[keys[i].row];
-    free(keys);
-    free(before);
-    return ok;
+    const waiting_contact *c = row;
+    return (uint64_t)c->owner << 32 | c->other;
 }
 
 uint64_t colouring_sort(waiting_contact *contacts, uint64_t n)
 {
-    if (!ascends(contacts, n) && !sort_by_keys(contacts, n))
+    if (!rows_sort(contacts, n, sizeof *contacts, key_of))
         qsort(contacts, n, sizeof *contacts, compare_ids);
     return merge_equal(contacts, n);
 }
@@ -91,7 +70,7 @@ typedef struct end {
     bool waits; // a contact of greater rank has no colour yet
 } end;
 
-// What the colours of n contacts follow from.
+// Contacts that wait for colours, and what these follow from.
 typedef struct colouring {
     waiting_contact *contacts;
     uint64_t n;

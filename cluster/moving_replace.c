@@ -58,30 +58,15 @@ void moving_index_places(const moving *m, moving_domain *d, duet_error *own)
     index->shift = shift;
 }
 
-typedef struct bisected {
-    uint64_t low, high;
-} bisected;
-
-// The bodies among which that of an id is, if it is there.
-static bisected range_of(const moving_domain *d, uint32_t id)
-{
-    const uint64_t stretch = (uint64_t)id >> d->index.shift;
-    if (stretch + 1 >= d->index.n)
-        return (bisected){0, d->bodies.n};
-    return (bisected){d->index.firsts[stretch], d->index.firsts[stretch + 1]};
-}
-
 uint32_t moving_place(const moving_domain *d, uint32_t id)
 {
-    bisected in = range_of(d, id);
-    while (in.low < in.high) {
-        const uint64_t middle = in.low + (in.high - in.low) / 2;
-        if (d->bodies.rows[middle].id < id)
-            in.low = middle + 1;
-        else
-            in.high = middle;
-    }
-    return in.low < d->bodies.n && d->bodies.rows[in.low].id == id ? (uint32_t)in.low : UINT32_MAX;
+    const uint64_t stretch = (uint64_t)id >> d->index.shift;
+    const bool known = stretch + 1 < d->index.n;
+    const uint64_t first = known ? d->index.firsts[stretch] : 0;
+    const uint64_t end = known ? d->index.firsts[stretch + 1] : d->bodies.n;
+    const item_list near = {.items = d->bodies.rows + first, .n = end - first};
+    const uint64_t at = first + list_find(&near, sizeof *d->bodies.rows, &id, compare_uint32);
+    return at < d->bodies.n && d->bodies.rows[at].id == id ? (uint32_t)at : UINT32_MAX;
 }
 
 uint32_t moving_carrier_place(const moving *m, const moving_domain *d)

@@ -80,31 +80,57 @@ static keyed_row *sort_keys(keyed_row *rows, keyed_row *spare, uint64_t n)
     return rows;
 }
 
-static bool ascends(const item_list *rows, size_t bytes, uint64_t (*key_of)(const void *row))
+// Returns the keys in order, in `memory`, which is to be freed; NULL without memory.
+static const keyed_row *order_of(const char *rows, uint64_t n, size_t bytes, row_key *key_of,
+                                 keyed_row **memory)
 {
-    const char *row = rows->items;
-    for (uint64_t i = 1; i < rows->n; ++i)
-        if (key_of(row + (i - 1) * bytes) >= key_of(row + i * bytes))
+    keyed_row *keys = *memory = malloc(2 * n * sizeof *keys);
+    for (uint64_t i = 0; keys && i < n; ++i)
+        keys[i] = (keyed_row){key_of(rows + i * bytes), i};
+    return keys ? sort_keys(keys, keys + n, n) : NULL;
+}
+
+// ---------------------------------------------------------------- rows
+
+static bool ascend(const char *rows, uint64_t n, size_t bytes, row_key *key_of)
+{
+    for (uint64_t i = 1; i < n; ++i)
+        if (key_of(rows + (i - 1) * bytes) >= key_of(rows + i * bytes))
             return false;
     return true;
 }
 
-bool row_order(item_list *rows, size_t bytes, uint64_t (*key_of)(const void *row))
+bool rows_sort(void *rows, uint64_t n, size_t bytes, row_key *key_of)
+{
+    if (ascend(rows, n, bytes, key_of))
+        return true;
+    keyed_row *memory;
+    const keyed_row *keys = order_of(rows, n, bytes, key_of, &memory);
+    char *before = malloc(n * bytes), *to = rows;
+    const bool ok = keys && before;
+    if (ok)
+        memcpy(before, rows, n * bytes);
+    for (uint64_t i = 0; ok && i < n; ++i)
+        memcpy(to + i * bytes, before + keys[i].row * bytes, bytes);
+    free(memory);
+    free(before);
+    return ok;
+}
+
+bool row_order(item_list *rows, size_t bytes, row_key *key_of)
 {
     const uint64_t n = rows->n;
-    if (ascends(rows, bytes, key_of))
+    if (ascend(rows->items, n, bytes, key_of))
         return true;
-    keyed_row *keys = malloc(2 * n * sizeof *keys);
+    keyed_row *memory;
+    const keyed_row *keys = order_of(rows->items, n, bytes, key_of, &memory);
     char *ordered = malloc(n * bytes), *from = rows->items;
-    bool ok = keys && ordered;
-    for (uint64_t i = 0; ok && i < n; ++i)
-        keys[i] = (keyed_row){key_of(from + i * bytes), i};
-    const keyed_row *sorted = ok ? sort_keys(keys, keys + n, n) : NULL;
+    const bool ok = keys && ordered;
     uint64_t kept = 0;
     for (uint64_t i = 0; ok && i < n; ++i)
-        if (i == 0 || sorted[i].key != sorted[i - 1].key)
-            memcpy(ordered + kept++ * bytes, from + sorted[i].row * bytes, bytes);
-    free(keys);
+        if (i == 0 || keys[i].key != keys[i - 1].key)
+            memcpy(ordered + kept++ * bytes, from + keys[i].row * bytes, bytes);
+    free(memory);
     free(ok ? from : ordered);
     if (ok)
         *rows = (item_list){.items = ordered, .n = kept, .capacity = n};
