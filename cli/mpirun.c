@@ -32,6 +32,8 @@ enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 #define GRACE_NS 5000000000u      // likewise where ranks do not begin
 #define STUCK_NS 3000000000u      // given to mpirun to notice that all that it started has ended
 
+typedef enum line_state { LINE_BEGINS, LINE_PASSES, LINE_DROPPED } line_state;
+
 typedef struct job {
     const mpirun_job *what;
     bool begun;       // all ranks are there
@@ -39,8 +41,7 @@ typedef struct job {
     bool ranks_asked; // by a signal, as the socket was told
     pid_t mpirun;
     int err_pipe;      // its stderr; -1: closed
-    bool mid_line;     // what passed last was no end of a line
-    bool drops;        // what passes is a line that is not told
+    line_state line;   // of what mpirun and the ranks write
     bool told;         // a line of Duet has passed
     int asked;         // a socket: ranks write there that they were asked to stop; -1: none
     int status;        // that waitpid tells
@@ -168,12 +169,15 @@ static bool is_stopping(const job *j)
 // which is then asked to end it, has much to say of that.
 static bool passes(job *j, char byte)
 {
-    if (!j->mid_line) {
-        j->drops = is_stopping(j) && !j->what->verbose && byte != 'd';
+    if (j->line == LINE_BEGINS) {
+        const bool dropped = is_stopping(j) && !j->what->verbose && byte != 'd';
+        j->line = dropped ? LINE_DROPPED : LINE_PASSES;
         j->told |= byte == 'd'; // as "duet: "
     }
-    j->mid_line = byte != '\n' && byte != '\r';
-    return !j->drops;
+    const bool passes = j->line == LINE_PASSES;
+    if (byte == '\n' || byte == '\r')
+        j->line = LINE_BEGINS;
+    return passes;
 }
 
 // Passes on what mpirun and the ranks write. Returns whether there was something within `wait_ms`.
@@ -198,6 +202,7 @@ static bool relay(job *j, int wait_ms)
     return n > 0;
 }
 
+// Notes whether a rank told that a signal asks it to stop.
 static void note_asked_ranks(job *j)
 {
     char told;

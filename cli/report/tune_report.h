@@ -23,7 +23,7 @@ typedef struct tune_report {
     const char *store_path; // the value of --profile, or NULL
     bool json;
     bool on_terminal;
-    bool waits;    // told so last
+    bool waits; // told so last
 } tune_report;
 
 tune_report tune_report_begin(bool json, const char *store_path);
