@@ -9,6 +9,13 @@
 
 local api = {}
 
+-- Fields of what asking a tree took.
+local asked = [[
+    undecided: integer  hits that float left open and the host decided
+    total_ms: number  wall clock
+    device_ms: number[]  of A and of B
+]]
+
 api.classes = {
   { "duet.Device", "A table: one device as OpenCL presents it.", [[
     selector: string  "pocl:0"; a part of a CPU is "pocl:0[0-1]"
@@ -170,10 +177,7 @@ api.classes = {
   { "duet.DoubleStateRows", "The same of a motion with doubles.", columns = ("d"):rep(4) },
   { "duet.RayQueryResult", "A table: what casting rays took.", [[
     normals: duet.Points?  of the hits: rows xyz, of length 1 and out of the box; 0 where a ray begins in it, and for no hit
-    undecided: integer  hits that float left open and the host decided
-    total_ms: number  wall clock
-    device_ms: number[]  of A and of B
-  ]] },
+]] .. asked },
   { "duet.ContactQuery", "The narrow phase of contacts, for pairs that a world found or a script brings." },
   { "duet.ContactQueryResult", "A table: what finding contacts took.", [[
     touching: integer  contacts with points
@@ -191,30 +195,18 @@ api.classes = {
   { "duet.BoxQuery", "Tests boxes against those of a tree." },
   { "duet.Filters", "A group and a mask of each object: two touch where each one's group has a bit of the other's mask.", columns = "II" },
   { "duet.BoxHits", "Rows of a box that was asked about, and the id of the tree's box that it collides with.", columns = "II" },
-  { "duet.BoxQueryResult", "A table: what testing boxes took.", [[
-    undecided: integer  hits that float left open and the host decided
-    total_ms: number  wall clock
-    device_ms: number[]  of A and of B
-  ]] },
+  { "duet.BoxQueryResult", "A table: what testing boxes took.", asked },
   { "duet.PointQuery", "Asks which boxes of a tree contain points, or are nearest to them." },
   { "duet.Points", "Rows of xyz.", columns = "fff" },
   { "duet.PointHits", "Rows of a point, the id of a box, and the distance between them.", columns = "IIf" },
-  { "duet.PointQueryResult", "A table: what asking about points took.", [[
-    undecided: integer  hits that float left open and the host decided
-    total_ms: number  wall clock
-    device_ms: number[]  of A and of B
-  ]] },
+  { "duet.PointQueryResult", "A table: what asking about points took.", asked },
   { "duet.SweepQuery", "Moves boxes along straight lines, to what they meet in a tree." },
   { "duet.Sweeps", "Rows of a pose, direction xyz, t_max.", columns = ("f"):rep(14) },
   { "duet.BoundsSweeps", "Rows of lower xyz, upper xyz, direction xyz, t_max.", columns = ("f"):rep(10) },
   { "duet.RoundedSweeps", "Rows of a pose, radius, direction xyz, t_max.", columns = ("f"):rep(15) },
   { "duet.SphereSweeps", "Rows of centre xyz, radius, direction xyz, t_max.", columns = ("f"):rep(8) },
   { "duet.SweepHits", "Rows of a sweep, the id of the box that it meets, t, and the normal there.", columns = "IIffff" },
-  { "duet.SweepQueryResult", "A table: what moving boxes took.", [[
-    undecided: integer  hits that float left open and the host decided
-    total_ms: number  wall clock
-    device_ms: number[]  of A and of B
-  ]] },
+  { "duet.SweepQueryResult", "A table: what moving boxes took.", asked },
   { "duet.TaskFile", "A kernel of the user's with its arguments and what is right, as a task file describes it." },
   { "duet.Task", "The same on a device pair, run again and again." },
   { "duet.TaskArg", "A table: an argument of a task's kernel.", [[
