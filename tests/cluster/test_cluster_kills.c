@@ -197,12 +197,28 @@ static double run_and_kill(const char *arguments, int n_ranks, rng *r, uint64_t 
     return took_s;
 }
 
+// Jobs that ended because they were told to.
+typedef struct ended {
+    int n;
+    double slowest_s;
+} ended;
+
+// Counts a job that went on so long; below 0: it was done before, and begins again.
+static void note_end(ended *all, double took_s)
+{
+    all->n += took_s >= 0;
+    all->slowest_s = took_s > all->slowest_s ? took_s : all->slowest_s;
+    if (took_s < 0)
+        remove(SAVED);
+}
+
 TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
 {
     skip_without_mpi();
     char job[128], right[32], hash[32];
-    double steps, slowest_s = 0;
-    int n_killed = 0, kills = asks_all ? KILLS_OF_ALL : KILLS;
+    double steps;
+    ended killed = {0};
+    int kills = asks_all ? KILLS_OF_ALL : KILLS;
     rng r = rng_seed(test_seed());
     snprintf(job, sizeof job, SCENE " --steps %d --json", STEPS);
     char whole[320];
@@ -215,17 +231,14 @@ TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
     double took_ms = clock_ms_since(begun);
     assert_string_equal(hash, right);
     remove(SAVED);
-    while (n_killed < kills) {
+    while (killed.n < kills) {
         int n_ranks = 2 + (int)rng_below(&r, MOST_RANKS - 1);
         snprintf(whole, sizeof whole, "cluster --ranks %d %s" KEPT, n_ranks, job);
         double s = run_and_kill(whole, n_ranks, &r, (uint64_t)(took_ms * rng_unit(&r)));
-        n_killed += s >= 0;
-        slowest_s = s > slowest_s ? s : slowest_s;
-        if (s < 0) // it was done, and begins again
-            remove(SAVED);
+        note_end(&killed, s);
     }
-    print_message("%d ranks were killed; the slowest job ended %.2f s later\n", n_killed,
-                  slowest_s);
+    print_message("%d ranks were killed; the slowest job ended %.2f s later\n", killed.n,
+                  killed.slowest_s);
     get_hash(whole, hash, &steps);
     assert_string_equal(hash, right);
     assert_true(steps <= STEPS && (STEPS - (int)steps) % SAVED_EVERY == 0); // from a checkpoint
@@ -262,8 +275,9 @@ TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit
 {
     skip_without_mpi();
     char right[32], hash[32], job[320];
-    double steps, slowest_s = 0;
-    int n_stopped = 0, stops = asks_all ? STOPS_OF_ALL : STOPS;
+    double steps;
+    ended stopped = {0};
+    int stops = asks_all ? STOPS_OF_ALL : STOPS;
     rng r = rng_seed(test_seed());
     get_hash("run " SCENE " --steps 30 --json", right, &steps);
     const uint64_t begun = clock_steady_ns();
@@ -271,17 +285,15 @@ TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit
     get_hash("cluster --ranks 3 " SCENE " --steps 30 --json" KEPT, hash, &steps);
     const double took_ms = clock_ms_since(begun);
     remove(SAVED);
-    while (n_stopped < stops) {
-        int n_ranks = 2 + (int)rng_below(&r, 2), number = n_stopped & 1 ? SIGTERM : SIGINT;
+    while (stopped.n < stops) {
+        int n_ranks = 2 + (int)rng_below(&r, 2), number = stopped.n & 1 ? SIGTERM : SIGINT;
         snprintf(job, sizeof job, "cluster --ranks %d " SCENE " --steps 30 --json" KEPT, n_ranks);
         double s =
-            run_and_stop(job, n_ranks, (uint64_t)(took_ms * rng_unit(&r)), number, n_stopped & 2);
-        n_stopped += s >= 0;
-        slowest_s = s > slowest_s ? s : slowest_s;
-        if (s < 0)
-            remove(SAVED);
+            run_and_stop(job, n_ranks, (uint64_t)(took_ms * rng_unit(&r)), number, stopped.n & 2);
+        note_end(&stopped, s);
     }
-    print_message("%d jobs were stopped; the slowest ended %.2f s later\n", n_stopped, slowest_s);
+    print_message("%d jobs were stopped; the slowest ended %.2f s later\n", stopped.n,
+                  stopped.slowest_s);
     get_hash(job, hash, &steps);
     assert_string_equal(hash, right);
     remove(SAVED);
