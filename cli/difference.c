@@ -59,8 +59,8 @@ static uint64_t id_at(const verified_run *r, uint32_t place)
     return id;
 }
 
-// Of what differs in one stage that of the least id counts, which is not always that of the first
-// place; of a body what is put first.
+// Puts what differs in a stage, unless a body of a lesser id differs there, which is not always the
+// first in its place, or something of the same body was put before.
 static void put(difference *d, const char *stage, const char *field, uint64_t body, double a,
                 double b)
 {

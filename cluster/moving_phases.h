@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the time of this rank's steps goes, by phases: each lasts until the next one is entered.
+// Tells where the time of this rank's steps goes, by phases: each lasts until the next one is
+// entered.
 #ifndef CLUSTER_MOVING_PHASES_H
 #define CLUSTER_MOVING_PHASES_H
 
@@ -23,7 +24,7 @@ typedef enum moving_phase {
     MOVING_PHASES = PHASE_NONE
 } moving_phase;
 
-// What phases cost so far, or one of them.
+// The cost of one phase, or of all so far.
 typedef struct phase_cost {
     double ms, wait_ms; // by the clock, and of that for other ranks
     uint64_t launches;  // kernels
@@ -41,7 +42,8 @@ typedef struct moving_phases {
 
 struct moving;
 
-// Forgets what phases took so far: as kernels were built, or bodies were brought. Ends the phase that was, and begins another.
+// Forgets what phases took so far: as kernels were built, or bodies were brought. Ends the phase
+// that was, and begins another.
 void moving_begin_phases(struct moving *m);
 void moving_enter(struct moving *m, moving_phase phase);
 

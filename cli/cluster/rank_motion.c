@@ -185,7 +185,7 @@ static void add_tried(cJSON *o, const moved *r)
                  NUMBER("ms", 1e-6 * t->best_ns[i]));
 }
 
-// Where the time of rank 0's steps went; kernels are built in the first, which is left out.
+// Tells where the time of rank 0's steps went; kernels are built in the first, which is left out.
 static void add_phases(cJSON *o, const moved *r)
 {
     const moving_phases *phases = moving_get_phases(r->cluster->moving);
