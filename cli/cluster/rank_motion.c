@@ -133,14 +133,12 @@ static bool add_frames(moved *r, duet_error *err)
            rank_picture_add(&r->pictures, r->last.step, err);
 }
 
-// A rank that is asked to stop stops all. The picture is drawn at the start too: what cannot be
-// written is told at once.
+// A rank that is asked to stop stops all.
 static bool run_steps(moved *r, duet_error *err)
 {
     bool ok, tells = duet_cluster_get_rank(r->cluster) == 0;
     progress p = progress_begin("step", r->args->steps);
-    ok = rank_check_compare(&r->check, err) && add_frames(r, err) &&
-         rank_picture_draw(&r->pictures, r->last.step, err);
+    ok = rank_check_compare(&r->check, err) && add_frames(r, err);
     while (ok && !r->is_stopped && r->last.step < r->args->steps) {
         ok = rank_replay_before(&r->replay, err) && rank_tune_before(&r->tune, err) &&
              duet_cluster_advance(r->cluster, &r->last, err);
@@ -165,14 +163,16 @@ static bool run_steps(moved *r, duet_error *err)
     return ok;
 }
 
-// Who says how often ghosts come: this run's tuning or its own trial, the command line, the store
-// by a grade, or nobody.
+// Who says how often ghosts come: this run's tuning or its own trial, which may be under way, the
+// command line, the store by a grade, or nobody.
 static const char *ghosts_by(const moved *r)
 {
-    return r->tune.state != TUNE_NONE                       ? "tuned"
-           : moving_get_trial(r->cluster->moving)->is_tried ? "tried"
-           : inputs_plan_given(&r->args->plan)              ? "given"
-                                                            : duet_grade_name(r->grade);
+    const every_trial *trial = moving_get_trial(r->cluster->moving);
+    return r->tune.state != TUNE_NONE          ? "tuned"
+           : trial->turn > 0                   ? "trying"
+           : trial->is_tried                   ? "tried"
+           : inputs_plan_given(&r->args->plan) ? "given"
+                                               : duet_grade_name(r->grade);
 }
 
 // The times of a step with each number of colours that was tried.

@@ -17,6 +17,8 @@ static bool draws(const rank_picture *p)
 // Colours say where a body was at the scene's start, also where the job goes on from a file.
 static bool read_start(rank_picture *p, const moving_start *start, duet_error *err)
 {
+    if (p->file && !snapshot_try(p->file, err))
+        return false;
     p->look = calloc(1, sizeof *p->look);
     if (!p->look)
         return error_set(err, DUET_STATUS_NO_MEMORY, "a picture: no memory");

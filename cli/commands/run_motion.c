@@ -136,8 +136,7 @@ static bool save_recording(moved *r, duet_error *err)
 
 static bool run_steps(moved *r, duet_error *err)
 {
-    // The picture is drawn at the start too: where it cannot be written, that is told at once.
-    bool ok = begin_frames(r, err) && draw_picture(r, err);
+    bool ok = begin_frames(r, err) && (!r->args->picture || snapshot_try(r->args->picture, err));
     r->shown = progress_begin("step", r->args->steps);
     while (ok && duet_motion_get_step(r->motion) < r->args->steps && !interrupt_asked()) {
         ok = step(r, err);

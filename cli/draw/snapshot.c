@@ -331,6 +331,11 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
     return ok;
 }
 
+bool snapshot_try(const char *path, duet_error *err)
+{
+    return canvas_close(canvas_open(path, WIDTH, HEIGHT, err), true, err);
+}
+
 bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, double time,
                     duet_error *err)
 {

@@ -31,4 +31,7 @@ bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, do
 bool snapshot_picture(const snapshot *s, const char *path, duet_motion *motion, double time,
                       duet_error *err);
 
+// Writes an empty page: what cannot be written is told before the work that it is for.
+bool snapshot_try(const char *path, duet_error *err);
+
 #endif

@@ -22,7 +22,8 @@ return function(o)
   row("contacts", count(o.contacts), "push, in " .. report.things(o.colours, "colour", "colours"))
   row("ghosts", count(o.ghosts), "bodies that domains have of others")
   if o.ranks > 1 or o.parts > 1 then
-    local by = { tuned = "tuned", given = "as given", default = "by default", tried = "tried" }
+    local by = { tuned = "tuned", given = "as given", default = "by default",
+      trying = "being tried", tried = "tried" }
     row("exchanges", count(o.colours_between), ("%s at the most between two; %s"):format(
       o.colours_between == 1 and "colour" or "colours", by[o.colours_by] or "stored, " .. o.colours_by))
   end
