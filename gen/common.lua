@@ -46,6 +46,7 @@ common = {
   BLOCK = { "BLOCK", values = { 8, 32 }, default = by_device(8, 32),
     about = "contacts that are neighbours in memory" },
   TEAM = { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups take all colours together" },
+  MEET = { "MEET", values = { 0, 1 }, default = 0, silent = true, about = "1: groups that all run at once meet" },
   TURNS = { "ANGULAR_VELOCITY", values = { 0, 1, 2 }, default = 0, about = "1: objects turn; 2: far in a step" },
   DOUBLE = { "DOUBLE", values = { 0, 1 }, default = 0, about = "1: the state is in double" },
   TURN = { "ANGULAR_VELOCITY", values = { 0, 1 }, default = 0, about = "1: objects turn" },

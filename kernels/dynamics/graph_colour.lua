@@ -2,10 +2,9 @@
 return {
   about = "graph colouring: contacts of one colour share no body that moves",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
-    "dynamics/listed.clh", "dynamics/team.clh", "dynamics/colour_choice.clh", "dynamics/colouring.clh" },
+    "dynamics/listed.clh", "dynamics/colour_choice.clh", "dynamics/colouring.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE, common.SLEEP, common.SENSORS,
-    { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups colour together" },
     common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
@@ -52,32 +51,6 @@ return {
     ]] .. common.AWAKE_CONTACTS .. [[
       uint *list
       uint *keys
-    ]],
-    colour_contacts = [[
-      const uint2 *links
-      const uint *touches
-      uint n_contacts
-      uint n
-      const uint *awake           if SLEEP == 1
-    ]] .. common.AWAKE_CONTACTS .. [[
-      const float4 *bodies
-      const float *sensors  if SENSORS == 1
-      const uint *starts
-      const uint *return_starts
-      const uint *returns
-      const real4 *velocities
-      uint sorts
-      uint *used
-      volatile uint *choices
-      uint *colours
-      uint *keys
-      uint *key_counts
-      uint *key_starts
-      uint *list
-      uint hopes
-      volatile uint *flags
-      volatile uint *team
-      uint stage
     ]],
   },
   valid = common.can_double,

@@ -43,19 +43,35 @@ static inline void store_part(const solver *s, const source *from, const colour_
         store_contact(constraint_at(s->blocks, part, i), s->contacts + (size_t)s->list[part->first + i] * RECORD);
 }
 
-static inline void take_contacts(const solver *s, const source *from, const colour_part *part, uint pass)
+// Whether a work-item loads what its contact's constraint holds while other groups still solve the colour before:
+// nobody else writes to it.
+#define HOLDS (WG > 1)
+
+static inline void take_contacts(const solver *s, const source *from, const colour_part *part, uint pass,
+                                 held_contact *held)
 {
     const uint last = 2 * s->substeps;
     for (uint k = part->from; k < part->to; k += part->stride) {
+        __global float *constraint = constraint_at(s->blocks, part, k);
         if (pass == 0)
             prepare_part(s->blocks, from, from->list, part, k);
-        else if (pass <= last)
-            solve_part(s, part, k);
+        else if (pass > last)
+            restore_speeds(constraint, s->bodies, s->fall, s->least_speed);
+        else if (HOLDS)
+            solve_pass(s, held, constraint);
         else
-            restore_speeds(constraint_at(s->blocks, part, k), s->bodies, s->fall, s->least_speed);
+            solve_part(s, part, k);
+        if (HOLDS && k + part->stride < part->to)
+            hold_contact(held, constraint_at(s->blocks, part, k + part->stride));
         if (pass == last)
             store_part(s, from, part, k);
     }
+}
+
+static inline void hold_first(const solver *s, const colour_part *part, held_contact *held)
+{
+    if (part->from < part->to)
+        hold_contact(held, constraint_at(s->blocks, part, part->from));
 }
 
 __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
@@ -65,10 +81,15 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     const substep to_move = {SOLVE_SUBSTEPS_VALUES};
     solver s = {SOLVE_SUBSTEPS_VALUES};
     sweep parts = SWEEP;
+    held_contact held;
     colour_part part;
     uint2 range;
     if (WAITS_FOR_HOST)
         return;
+#if HOLDS
+    uint4 present = as_uint4(span);
+    part = own_part(from_colour, present);
+#endif
     for (uint pass = from_pass; pass < to_pass; ++pass) {
         s.soft = pass & 1u;
         if (pass > 0 && pass <= 2 * substeps) {
@@ -82,10 +103,26 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
             END_PART(parts);
         }
         for (uint colour = from_colour; colour < to_colour; ++colour) {
+#if HOLDS
+            const uint next = colour + 1 < to_colour ? colour + 1 : from_colour;
+            const uint4 coming = SPAN_OF(next);
+            const bool all_meet = next == from_colour || !is_of_one(present.y) || !is_of_one(coming.y);
+            take_contacts(&s, &from, &part, pass, &held);
+            if (all_meet)
+                ARRIVE(parts);
+            part = own_part(next, coming);
+            hold_first(&s, &part, &held);
+            if (all_meet)
+                AWAIT(parts);
+            else
+                barrier(CLK_GLOBAL_MEM_FENCE);
+            present = coming;
+#else
             BEGIN_PART(parts, colour);
             while (next_contacts(&parts, &part))
-                take_contacts(&s, &from, &part, pass);
+                take_contacts(&s, &from, &part, pass, &held);
             END_PART(parts);
+#endif
         }
     }
 }

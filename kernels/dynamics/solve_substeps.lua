@@ -13,7 +13,7 @@ return {
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "contacts and bodies side by side in a work-item" },
     common.BLOCK, common.ROUNDED, common.TEAM,
-    { "MEET", values = { 0, 1 }, default = 0, silent = true, about = "1: groups that all run at once meet" },
+    common.MEET,
     { "WG", values = { 1, 64, 128 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items of the group" },
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,

@@ -10,7 +10,7 @@
 static const effect_row rows[] = {
     {DUET_EFFECT_CONTACT_RESPONSE, "contact_response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
      "a restitution or a friction, or wants", "pushes",
-     "contact_graph, match_contacts, build_manifolds, graph_colour, colour_rounds, "
+     "contact_graph, match_contacts, build_manifolds, graph_colour, colour_contacts, "
      "prepare_contacts, bodies, "
      "solve_contacts, solve_substeps, integrate_positions, contact_events"},
     {DUET_EFFECT_SENSORS, "sensors", DUET_EFFECT_EVENTS | DUET_EFFECT_CONTACT, "a sensor, or wants",
@@ -34,7 +34,7 @@ static const effect_row rows[] = {
      "that is carried",
      "angular_velocity",
      "integrate_free_flight, fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, "
-     "graph_colour, colour_rounds, prepare_contacts, bodies, solve_contacts, solve_substeps, "
+     "graph_colour, colour_contacts, prepare_contacts, bodies, solve_contacts, solve_substeps, "
      "integrate_positions, "
      "contact_events"},
     {DUET_EFFECT_ROTATION, "rotation", 0,
@@ -43,7 +43,7 @@ static const effect_row rows[] = {
     {DUET_EFFECT_RADIUS, "radius", 0, "a radius, with contact or walls", "touch_rounded",
      "fat_aabbs, build_manifolds, bodies, solve_contacts, solve_substeps, integrate_free_flight"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_CONTACT_RESPONSE, "a friction", "friction",
-     "match_contacts, build_manifolds, update_sleep, graph_colour, colour_rounds, "
+     "match_contacts, build_manifolds, update_sleep, graph_colour, colour_contacts, "
      "prepare_contacts, "
      "solve_contacts, solve_substeps, integrate_positions, contact_events"},
     {DUET_EFFECT_ROLLING_RESISTANCE, "rolling_resistance",
@@ -71,7 +71,7 @@ static const effect_row rows[] = {
      "contact_graph"},
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
      "fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, bodies, graph_colour, "
-     "colour_rounds, "
+     "colour_contacts, "
      "integrate_positions, solve_substeps"},
     {DUET_EFFECT_GROUND, "ground", DUET_EFFECT_CONTACT, "heights or a mesh, with contact",
      "ground_origin", "contact_graph, build_manifolds"},

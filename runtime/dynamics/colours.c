@@ -79,15 +79,6 @@ static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint
     return ok;
 }
 
-// By groups that meet, all at once.
-static bool choose_colours(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
-{
-    const kernel *k = m->kernels.colour_rounds;
-    if (!k)
-        return run_rounds(m, m->kernels.graph_colour_choose, from, to, err);
-    return from == to || team_launch(m, "graph_colour", k, m->awake.n_bodies, k->group, 0, err);
-}
-
 // Makes space for the blocks of colours that have been laid out.
 static bool use_colours(duet_motion *m, duet_error *err)
 {
@@ -108,7 +99,7 @@ static bool list_colours(duet_motion *m, duet_error *err)
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && choose_colours(m, from, to, err) &&
+        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) &&
              sort_colours(m, m->kernels.graph_colour_key, starts, err);
         from = to;
         to += ROUNDS_MORE;
@@ -139,6 +130,13 @@ static bool list_none(duet_motion *m)
     return true;
 }
 
+// Whether one launch does all of it: by a team, or by groups that meet.
+static bool colours_at_once(const duet_motion *m)
+{
+    const kernel *k = m->kernels.colour_contacts;
+    return k && (team_takes(k) || kernel_param(k, "MEET") == 1);
+}
+
 // Stages of a team that marks and sorts, and of each of its rounds; rounds that a launch is thought
 // to take at most.
 enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2, MOST_ROUNDS = 1024 };
@@ -146,11 +144,12 @@ enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2, MOST_ROUNDS = 10
 // Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
 static bool launch_colouring(duet_motion *m, duet_error *err)
 {
+    const kernel *k = m->kernels.colour_contacts;
     m->solver.sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
     return reserve_lists(m, err) &&
            motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
-           team_launch(m, "graph_colour", m->kernels.colour_contacts, m->awake.n_contacts,
-                       LEAST_CONTACTS, SORT_STAGES + ROUND_STAGES * MOST_ROUNDS, err);
+           team_launch(m, "graph_colour", k, m->awake.n_contacts,
+                       k->group > 1 ? k->group : LEAST_CONTACTS, SORT_STAGES + ROUND_STAGES * MOST_ROUNDS, err);
 }
 
 static bool take_colouring(duet_motion *m, duet_error *err)
@@ -177,7 +176,7 @@ bool motion_begin_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return true;
-    if (team_takes(m->kernels.colour_contacts))
+    if (colours_at_once(m))
         return launch_colouring(m, err);
     return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts, err);
 }
@@ -188,7 +187,7 @@ bool motion_end_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
-    if (team_takes(m->kernels.colour_contacts))
+    if (colours_at_once(m))
         return take_colouring(m, err);
     return (m->solver.rounds > 0 || keep_colours(m, err)) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));

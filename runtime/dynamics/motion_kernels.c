@@ -247,7 +247,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     bool walls = contact && boundary_kind(m) == 1;
     bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
-    bool cpu = m->device->info.kind == DUET_KIND_CPU, team = response && cpu;
+    bool cpu = m->device->info.kind == DUET_KIND_CPU;
     bool meets = m->device->quirks & DRIVER_MEETS;
     bool at_once = response && !shocks && (cpu || meets || sleep || m->n <= SOLVER_FEW);
     const kernel_request list[] = {
@@ -280,8 +280,7 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
         KERNEL(graph_colour_choose, response, "graph_colour"),
         KERNEL(graph_colour_take, response, "graph_colour"),
         KERNEL(graph_colour_key, response, "graph_colour"),
-        KERNEL(colour_contacts, team, "graph_colour"),
-        KERNEL(colour_rounds, response && meets, "colour_rounds"),
+        KERNEL(colour_contacts, response && (cpu || meets), "colour_contacts"),
         KERNEL(prepare_contacts, response, "prepare_contacts"),
         KERNEL(store_impulses, response, "prepare_contacts"),
         KERNEL(solve_contacts, response, "solve_contacts"),

@@ -177,12 +177,24 @@ static bool make_context(device *d, duet_error *err)
     return true;
 }
 
+// Whether a GPU of NVIDIA orders memory as groups that meet do it (kernels/dynamics/meet.clh): since Volta.
+static bool orders_memory(const device *d)
+{
+    enum { COMPUTE_CAPABILITY_MAJOR_NV = 0x4000 };
+    cl_uint major = 0;
+    return clGetDeviceInfo(d->id, COMPUTE_CAPABILITY_MAJOR_NV, sizeof major, &major, NULL) ==
+               CL_SUCCESS &&
+           major >= 7;
+}
+
 // With the context. Closes the device where it is not ready.
 static bool make_ready(device *d, bool has_context, duet_error *err)
 {
     if (has_context && make_queue(&d->queue, d, err) && make_queue(&d->beside, d, err)) {
         d->built = program_pool_open();
         d->quirks = driver_quirks(&d->info);
+        if ((d->quirks & DRIVER_MEETS) && !orders_memory(d))
+            d->quirks &= ~(uint32_t)DRIVER_MEETS;
         return true;
     }
     device_close(d);

@@ -82,7 +82,7 @@ foreach(name IN ITEMS note_lacks take_needed read_asked take_asked)
 endforeach()
 
 # Groups of this kernel wait for each other, and a simulator runs one after the other.
-list(APPEND launched "kernel 'colour_rounds'")
+list(APPEND launched "kernel 'colour_contacts'")
 
 # Reads and contact queries, which no run of a scene makes.
 function(numbers_of device result)

@@ -131,7 +131,7 @@ TEST(a_card_that_the_host_does_not_know_is_refused)
          "argument 'h' of integrate_positions is of type 'real'; expected 'float'"},
         {"dynamics/build_manifolds.lua", "const float4 *halves", "const float *halves",
          "argument 'halves' of build_manifolds is of type 'float *'; expected 'float4 *'"},
-        {"dynamics/graph_colour.lua", "uint *keys\n      uint *key_counts",
+        {"dynamics/colour_contacts.lua", "uint *keys\n      uint *key_counts",
          "uint *key_list\n      uint *key_counts",
          "colour_contacts has an argument 'key_list' that its launcher does not know"},
     };
