@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/hits.h"
+#include "support/real.h"
 #include "support/trees.h"
 
 #include "runtime/narrowphase/rounded.h"
@@ -93,19 +94,12 @@ static void scale_world(world *w, float scale)
 
 // ---------------------------------------------------------------- long double
 
-typedef long double real;
-
 // From the core, at t of the ray.
 static real distance_at(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, real t)
 {
-    duet_pose pose = narrow_flat(&box->pose, dims);
-    const float *q = pose.rotation;
-    real x = q[0], y = q[1], z = q[2], s = q[3], n = x * x + y * y + z * z + s * s;
-    const real axis[3][3] = {
-        {(s * s + x * x - y * y - z * z) / n, 2 * (x * y + s * z) / n, 2 * (x * z - s * y) / n},
-        {2 * (x * y - s * z) / n, (s * s + y * y - x * x - z * z) / n, 2 * (y * z + s * x) / n},
-        {2 * (x * z + s * y) / n, 2 * (y * z - s * x) / n, (s * s + z * z - x * x - y * y) / n}};
-    real square = 0;
+    const duet_pose pose = narrow_flat(&box->pose, dims);
+    real axis[3][3], square = 0;
+    real_axes(axis, pose.rotation);
     for (uint32_t i = 0; i < dims; ++i) {
         real at = 0;
         for (uint32_t k = 0; k < dims; ++k)

@@ -210,6 +210,16 @@ double mover_total(mover *m)
     return e.kinetic + e.turning + e.potential;
 }
 
+duet_pose mover_pose(const mover *m, uint32_t id)
+{
+    duet_pose pose = m->poses[id];
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = (float)m->states[id].rotation[k];
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)m->states[id].centre[k];
+    return pose;
+}
+
 uint64_t mover_hash(mover *m)
 {
     uint64_t hash = 0;
