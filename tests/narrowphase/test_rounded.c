@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rounded boxes against truths made in other ways: whole numbers, an enumeration of the faces
 // that two nearest points lie on, and cases that touch exactly.
+#include "support/devices.h"
 #include "support/real.h"
 #include "support/test.h"
 
@@ -32,8 +33,7 @@ static duet_rounded_box whole_box(rng *r, int extents)
         b.pose.half_extents[k] = k < extents ? (float)rng_below(r, 6) : 0.0f;
     }
     if (extents == 0) // a box without extents may be turned
-        for (int k = 0; k < 4; ++k)
-            b.pose.rotation[k] = (float)rng_normal(r);
+        turn_at_random(&b.pose, r);
     return b;
 }
 
@@ -163,8 +163,7 @@ static duet_rounded_box random_box(rng *r, const duet_rounded_box *like)
         b.pose.centre[k] = (float)rng_between(r, -1.2, 1.2);
         b.pose.half_extents[k] = rng_below(r, 3) ? (float)rng_between(r, 0, 0.6) : 0.0f;
     }
-    for (int k = 0; k < 4; ++k)
-        b.pose.rotation[k] = (float)rng_normal(r);
+    turn_at_random(&b.pose, r);
     if (like && rng_below(r, 3) == 0)
         for (int k = 0; k < 4; ++k)
             b.pose.rotation[k] =

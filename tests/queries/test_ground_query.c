@@ -383,16 +383,6 @@ static duet_pose draw_box(rng *r, bool upright)
     return box;
 }
 
-static duet_bounds bounds_of(const duet_pose *box)
-{
-    duet_bounds b;
-    for (int k = 0; k < 3; ++k) {
-        b.lower[k] = box->centre[k] - box->half_extents[k];
-        b.upper[k] = box->centre[k] + box->half_extents[k];
-    }
-    return b;
-}
-
 static duet_tree *open_ground_of(const field *f, duet_shape shape)
 {
     duet_tree *tree =
@@ -409,7 +399,7 @@ static void join_some(const field *f, rng *r, bool upright)
     uint32_t met = 0;
     for (int i = 0; i < BOXES; ++i) {
         boxes[i] = draw_box(r, upright);
-        bounds[i] = bounds_of(&boxes[i]);
+        bounds[i] = bounds_of_upright(&boxes[i]);
     }
     duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
     duet_box_query *query = open_box_query(tree);
@@ -511,7 +501,8 @@ TEST(sweeps_meet_the_ground_there_and_not_before)
             sweeps[i].box.centre[2] += 1;
             for (int k = 0; k < 3; ++k)
                 sweeps[i].direction[k] = (float)(rng_normal(&r) - (k == 2 ? 0.5 : 0));
-            bounds[i] = (duet_bounds_sweep){.bounds = bounds_of(&sweeps[i].box), .t_max = 4};
+            bounds[i] =
+                (duet_bounds_sweep){.bounds = bounds_of_upright(&sweeps[i].box), .t_max = 4};
             memcpy(bounds[i].direction, sweeps[i].direction, sizeof bounds[i].direction);
         }
         duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
@@ -646,8 +637,7 @@ static duet_tree *open_crowd(const field *f, uint32_t share, bool ground)
         boxes[i] = (duet_pose){.half_extents = {0.3f, 0.2f, 0.5f}};
         for (int k = 0; k < 3; ++k)
             boxes[i].centre[k] = (float)rng_between(&r, k == 2 ? 0 : -4, 4);
-        for (int k = 0; k < 4; ++k)
-            boxes[i].rotation[k] = (float)rng_normal(&r);
+        turn_at_random(&boxes[i], &r);
     }
     duet_tree *tree = open_tree(3, share, boxes, 60);
     must(duet_tree_set_heights(tree, ground ? &f->heights : NULL, ERR));

@@ -405,8 +405,7 @@ static duet_pose draw_box(rng *r)
         box.centre[k] = (float)rng_between(r, -6, 6);
         box.half_extents[k] = (float)rng_between(r, 0.05, 0.4);
     }
-    for (int k = 0; k < 4; ++k)
-        box.rotation[k] = (float)rng_normal(r);
+    turn_at_random(&box, r);
     return box;
 }
 

@@ -161,10 +161,7 @@ static duet_tree *open_shape(duet_shape shape, uint32_t dims, uint32_t share, co
     duet_bounds bounds[BOXES];
     for (int i = 0; i < BOXES; ++i) {
         poses[i] = c->boxes[i].pose;
-        for (int k = 0; k < 3; ++k) {
-            bounds[i].lower[k] = poses[i].centre[k] - poses[i].half_extents[k];
-            bounds[i].upper[k] = poses[i].centre[k] + poses[i].half_extents[k];
-        }
+        bounds[i] = bounds_of_upright(&poses[i]);
     }
     return shape == DUET_SHAPE_POSES ? open_tree(dims, share, poses, BOXES)
            : shape == DUET_SHAPE_BOUNDS

@@ -48,8 +48,7 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     f.def.dims = 3;
     f.def.rotated = false;
     f.def.plan = duet_default_plan(f.pair);
-    strcpy(f.def.plan.variant_a, words);
-    strcpy(f.def.plan.variant_b, words);
+    set_variants(&f.def.plan, words);
     f.def.has_world = true;
     for (int k = 0; k < 3; ++k)
         f.def.upper[k] = 20;

@@ -29,6 +29,12 @@ void set_share(duet_world *world, uint32_t share)
     must(duet_world_set_plan(world, &plan, ERR));
 }
 
+void set_variants(duet_plan *plan, const char *variant)
+{
+    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", variant);
+    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", variant);
+}
+
 duet_result step_world(duet_world *world)
 {
     duet_result result;
@@ -55,6 +61,26 @@ void turn_at_random(duet_pose *pose, rng *r)
 {
     for (int k = 0; k < 4; ++k)
         pose->rotation[k] = (float)rng_normal(r);
+}
+
+duet_bounds bounds_of_upright(const duet_pose *pose)
+{
+    duet_bounds b;
+    for (int k = 0; k < 3; ++k) {
+        b.lower[k] = pose->centre[k] - pose->half_extents[k];
+        b.upper[k] = pose->centre[k] + pose->half_extents[k];
+    }
+    return b;
+}
+
+uint64_t reference_hash(const reference_objects *objects, reference_way way, uint64_t *n)
+{
+    reference_found found = {0};
+    must(reference_find(objects, way, &found, ERR));
+    uint64_t hash = duet_pairs_hash(found.pairs, found.n);
+    *n = found.n;
+    duet_free(found.pairs);
+    return hash;
 }
 
 uint64_t true_hash_of(duet_scene *scene)

@@ -5,6 +5,7 @@
 
 #include "base/rng.h"
 #include "runtime/duet.h"
+#include "runtime/scene/reference.h"
 
 extern duet_device_pair *devices;
 
@@ -17,15 +18,20 @@ int close_devices(void **state);
 duet_device_pair *open_pair(const char *a, const char *b);
 duet_world *create_world(const duet_world_def *def);
 void set_share(duet_world *world, uint32_t share);
+void set_variants(duet_plan *plan, const char *variant); // both
 duet_result step_world(duet_world *world);
 
 // A cube whose edges are upright, and one of edge 1 anywhere in a range, turned anyhow.
 duet_pose cube_at(double x, double y, double z, double half);
 duet_pose random_cube(rng *r, double from, double to);
 void turn_at_random(duet_pose *pose, rng *r);
+duet_bounds bounds_of_upright(const duet_pose *pose);
 
 // The hash of a scene's pairs by the plain C reference. Destroys the scene; NULL fails the test.
 uint64_t true_hash_of(duet_scene *scene);
+
+// The same of objects, found in a way. n: how many pairs they are.
+uint64_t reference_hash(const reference_objects *objects, reference_way way, uint64_t *n);
 
 // Whether the default device pair is two: halves of a CPU with one unit are that CPU, twice.
 bool devices_are_two(void);
