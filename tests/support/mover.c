@@ -66,6 +66,13 @@ uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy,
     return m->n++;
 }
 
+uint32_t mover_add_fixed(mover *m, double x, double y, double z, double hx, double hy, double hz)
+{
+    uint32_t id = mover_add(m, x, y, z, hx, hy, hz);
+    m->bodies[id].mass = 0;
+    return id;
+}
+
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge)
 {
     return mover_add(m, x, y, z, edge / 2, edge / 2, edge / 2);

@@ -28,8 +28,9 @@ mover *mover_new(uint32_t dims);
 void mover_free(mover *m);
 
 // Adds a box at rest and returns its place; its body may be changed until the
-// first step.
+// first step. A fixed one has no mass.
 uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz);
+uint32_t mover_add_fixed(mover *m, double x, double y, double z, double hx, double hy, double hz);
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge);
 void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle);
 
