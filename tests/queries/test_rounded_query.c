@@ -22,31 +22,6 @@ typedef struct world {
     duet_point points[RAYS];
 } world;
 
-// Boxes, capsules and spheres; some upright on round numbers, some without a radius, or with one
-// that is too small for float to see.
-static duet_rounded_box draw_box(rng *r, uint32_t i)
-{
-    duet_rounded_box box = {.radius = (float)rng_between(r, 0.1, 0.6)};
-    for (int k = 0; k < 4; ++k) {
-        box.pose.rotation[k] = i % 4 == 0 ? k == 3 : (float)rng_normal(r);
-        if (k == 3)
-            break;
-        box.pose.centre[k] = (float)rng_between(r, -4, 4);
-        box.pose.half_extents[k] = i % 3 == 0 || (i % 3 == 1 && k > 0)
-                                       ? 0
-                                       : (float)rng_between(r, 0.05, i % 40 == 2 ? 4 : 0.6);
-        if (i % 4 == 0) {
-            box.pose.centre[k] = roundf(2 * box.pose.centre[k]) / 2;
-            box.pose.half_extents[k] = roundf(4 * box.pose.half_extents[k]) / 4;
-        }
-    }
-    if (i % 4 == 0)
-        box.radius = 0.25f;
-    if (i % 7 == 0)
-        box.radius = i % 14 == 0 ? 0 : 1e-7f;
-    return box;
-}
-
 // Every third ray goes along an axis between round numbers, so that it touches; some are short, and
 // some a point.
 static world *make_world(void)
@@ -54,7 +29,7 @@ static world *make_world(void)
     world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i) {
-        w->boxes[i] = draw_box(&r, i);
+        w->boxes[i] = draw_rounded(&r, i);
         memcpy(w->spheres[i].centre, w->boxes[i].pose.centre, sizeof w->spheres[i].centre);
         w->spheres[i].radius = w->boxes[i].radius;
     }

@@ -3,6 +3,7 @@
 
 #include "support/test.h"
 
+#include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
 
 duet_device_pair *devices;
@@ -15,6 +16,27 @@ duet_device_pair *open_pair(const char *a, const char *b)
         def.b = b;
     }
     return must(duet_device_pair_create(&def, ERR));
+}
+
+duet_device_pair *open_copying(bool copies)
+{
+    duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
+    for (int side = 0; side < 2; ++side)
+        pair->devices[side].info.host_memory &= !copies;
+    return pair;
+}
+
+const duet_device_info *cuttable_cpu(void)
+{
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    device_list_roots(&roots, &n, NULL);
+    for (uint32_t i = 0; i < n; ++i)
+        if (roots[i].info.can_cut)
+            return &roots[i].info;
+    print_message("no CPU here can be cut into parts\n");
+    skip();
+    return NULL;
 }
 
 duet_world *create_world(const duet_world_def *def)
@@ -40,6 +62,14 @@ duet_result step_world(duet_world *world)
     duet_result result;
     must(duet_world_step(world, &result, ERR));
     return result;
+}
+
+duet_rounded_box rounded_at(double x, double y, double z, double hx, double hy, double hz,
+                            double radius)
+{
+    return (duet_rounded_box){
+        {{(float)x, (float)y, (float)z}, {(float)hx, (float)hy, (float)hz}, {0, 0, 0, 1}},
+        (float)radius};
 }
 
 duet_pose cube_at(double x, double y, double z, double half)

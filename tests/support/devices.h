@@ -17,11 +17,18 @@ int close_devices(void **state);
 // destroys the pair; the world lasts until the test ends.
 duet_device_pair *open_pair(const char *a, const char *b);
 duet_world *create_world(const duet_world_def *def);
+
+// The default pair, which the test keeps. copies: its devices seem to have memory of their own.
+duet_device_pair *open_copying(bool copies);
+// A CPU that can be cut into parts; skips the test where there is none.
+const duet_device_info *cuttable_cpu(void);
 void set_share(duet_world *world, uint32_t share);
 void set_variants(duet_plan *plan, const char *variant); // both
 duet_result step_world(duet_world *world);
 
 // A cube whose edges are upright, and one of edge 1 anywhere in a range, turned anyhow.
+duet_rounded_box rounded_at(double x, double y, double z, double hx, double hy, double hz,
+                            double radius);
 duet_pose cube_at(double x, double y, double z, double half);
 duet_pose random_cube(rng *r, double from, double to);
 void turn_at_random(duet_pose *pose, rng *r);

@@ -111,6 +111,14 @@ duet_energy mover_energy(mover *m)
     return energy;
 }
 
+bool mover_has_stage(const mover *m, const char *name)
+{
+    for (uint32_t i = 0; i < m->last.n_stages; ++i)
+        if (strcmp(m->last.stages[i].name, name) == 0)
+            return true;
+    return false;
+}
+
 double mover_speed(const mover *m, uint32_t id)
 {
     const double *v = m->states[id].velocity;
