@@ -547,7 +547,7 @@ static real distance_of_core(const field *f, const block *b)
     return best;
 }
 
-static duet_rounded_box draw_rounded(rng *r, int kind)
+static duet_rounded_box draw_kind(rng *r, int kind)
 {
     duet_rounded_box box = {draw_box(r, false), (float)rng_between(r, 0.1, 0.6)};
     for (int k = 0; k < 3; ++k)
@@ -564,7 +564,7 @@ TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
     duet_rounded_box boxes[BOXES];
     uint32_t met = 0;
     for (int i = 0; i < BOXES; ++i)
-        boxes[i] = draw_rounded(&r, i % 4);
+        boxes[i] = draw_kind(&r, i % 4);
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     must(duet_tree_set_heights(tree, &f->heights, ERR));
     duet_box_query *query = open_box_query(tree);
