@@ -257,6 +257,17 @@ function lab.launcher(world, scene, plan)
   end
 end
 
+-- The step of median time of those of all rounds but the first, so that its stages belong together.
+function lab.median_step(world, scene, rounds)
+  local steps = {}
+  for round = 0, rounds do
+    local result = lab.step(world, scene)
+    if round > 0 then steps[round] = { ms = result.total_ms, device_ms = result.device_ms, stages = result:stages() } end
+  end
+  table.sort(steps, function(a, b) return a.ms < b.ms end)
+  return steps[(#steps + 1) // 2]
+end
+
 -- Who works at a share.
 function lab.plan_name(share)
   return share == 0 and "B alone" or share == 1 and "A alone" or "A and B"

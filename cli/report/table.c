@@ -51,17 +51,6 @@ static int width_of(const char *cell)
     return width_of_bytes(cell, strlen(cell));
 }
 
-static void measure(const table *t, uint32_t n_columns, int *widths)
-{
-    const char *cell = text_chars(&t->cells);
-    for (uint32_t i = 0; i < t->n_cells; ++i) {
-        int width = width_of(cell);
-        int *widest = &widths[i % n_columns];
-        *widest = width > *widest ? width : *widest;
-        cell += strlen(cell) + 1;
-    }
-}
-
 // Output that no terminal shows keeps its rows whole, as grep wants them.
 static int width_to_fill(FILE *out)
 {
@@ -89,13 +78,15 @@ static int longest_word(const char *cell)
     return longest;
 }
 
-static void measure_words(const table *t, uint32_t n_columns, int *least)
+// Sets the greatest size of each column's cells.
+static void measure(const table *t, uint32_t n_columns, int (*size_of)(const char *cell),
+                    int *greatest)
 {
     const char *cell = text_chars(&t->cells);
     for (uint32_t i = 0; i < t->n_cells; ++i) {
-        int word = longest_word(cell);
-        int *longest = &least[i % n_columns];
-        *longest = word > *longest ? word : *longest;
+        int size = size_of(cell);
+        int *most = &greatest[i % n_columns];
+        *most = size > *most ? size : *most;
         cell += strlen(cell) + 1;
     }
 }
@@ -124,7 +115,7 @@ static void fit(const char *align, uint32_t n_columns, int *widths, const int *l
 static void fold(const table *t, uint32_t n_columns, int *widths, int most)
 {
     int least[TABLE_COLUMNS_MOST] = {0};
-    measure_words(t, n_columns, least);
+    measure(t, n_columns, longest_word, least);
     fit(t->align, n_columns, widths, least, most);
     for (uint32_t i = 0; i < n_columns; ++i)
         least[i] = FOLDED_LEAST;
@@ -190,7 +181,7 @@ void table_print(table *t, FILE *out)
     const char *row[TABLE_COLUMNS_MOST];
     const char *cell = text_chars(&t->cells);
     if (!t->cells.failed) {
-        measure(t, n_columns, widths);
+        measure(t, n_columns, width_of, widths);
         fold(t, n_columns, widths, width_to_fill(out));
         for (uint32_t i = 0; i < t->n_cells; ++i) {
             row[i % n_columns] = cell;

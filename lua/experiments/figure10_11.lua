@@ -17,18 +17,6 @@ local ways = { -- name, mode, variant; without one, each device's default
 
 local rows = lab.frame.new { "figure", "devices", "kernels", "objects", "share", "ms", "A ms", "B ms" }
 
--- The step of median time, with its stages.
-local function median_step(world, scene, plan)
-  assert(world:set_plan(plan))
-  local steps = {}
-  for round = 0, options["repeat"] do
-    local result = lab.step(world, scene)
-    if round > 0 then steps[round] = { ms = result.total_ms, device_ms = result.device_ms, stages = result:stages() } end
-  end
-  table.sort(steps, function(a, b) return a.ms < b.ms end)
-  return steps[(#steps + 1) // 2]
-end
-
 local function add(figure, pair, devices, way, n, plan, step)
   rows:add {
     figure = figure, devices = devices, kernels = way[1], objects = n, share = plan.share, ms = step.ms,
@@ -54,7 +42,8 @@ for pair, devices in lab.each_pair(options) do
       local share = lab.search({ strategy = options.strategy }, lab.launcher(world, scene, plan))
       for figure, part in pairs { [10] = 0, [11] = share } do
         local at = lab.with_share(plan, part)
-        add(figure, pair, devices, way, n, at, median_step(world, scene, at))
+        assert(world:set_plan(at))
+        add(figure, pair, devices, way, n, at, lab.median_step(world, scene, options["repeat"]))
       end
     end
   end

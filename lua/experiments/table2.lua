@@ -40,20 +40,14 @@ for i, column in ipairs(columns) do
   for _, stage in ipairs(column[2]) do column_of[stage] = i end
 end
 
--- The step of median time, so that its stages belong together.
-local function median_step(pair, scene, variant)
+-- A step by B alone.
+local function step_of(pair, scene, variant)
   if variant == "fast" then variant = pair:plan().variant_b end
   local world <close> = assert(pair:world(scene, {
     stage_times = true,
     plan = { share = 0, mode = "shared", variant_a = variant, variant_b = variant },
   }))
-  local steps = {}
-  for round = 0, options["repeat"] do
-    local result = lab.step(world, scene)
-    if round > 0 then steps[round] = { ms = result.total_ms, stages = result:stages() } end
-  end
-  table.sort(steps, function(a, b) return a.ms < b.ms end)
-  return steps[(#steps + 1) // 2]
+  return lab.median_step(world, scene, options["repeat"])
 end
 
 local function percentages(stages)
@@ -90,7 +84,7 @@ for pair, devices in lab.each_pair(options) do
   for variant in options.variants:gmatch "[^,]+" do
     for _, n in ipairs(options.sizes) do
       local scene <close> = lab.paper_scene(options, n)
-      local found = median_step(pair, scene, variant)
+      local found = step_of(pair, scene, variant)
       add_row(b, variant, n, found.ms, percentages(found.stages))
     end
   end

@@ -19,31 +19,46 @@ void exact_close(void *numbers, size_t bytes)
         mpz_clear(*at);
 }
 
+static int lesser_power(double value, int bits, int so_far)
+{
+    int power;
+    frexp(value, &power);
+    return value != 0 && power - bits < so_far ? power - bits : so_far;
+}
+
 int exact_least_power(const float *values, int n, int so_far)
 {
-    for (int i = 0; i < n; ++i) {
-        int power;
-        frexp(values[i], &power);
-        if (values[i] != 0 && power - 24 < so_far)
-            so_far = power - 24;
-    }
+    for (int i = 0; i < n; ++i)
+        so_far = lesser_power(values[i], 24, so_far);
     return so_far;
 }
 
-int exact_least_power_of_doubles(const double values[3], int so_far)
+int exact_least_power_of_boxes(const duet_pose *a, const duet_pose *b, const double shift[3],
+                               int so_far)
 {
-    for (int i = 0; i < 3; ++i) {
-        int power;
-        frexp(values[i], &power);
-        if (values[i] != 0 && power - 53 < so_far)
-            so_far = power - 53;
-    }
-    return so_far;
+    for (int k = 0; k < 3; ++k)
+        so_far = lesser_power(shift[k], 53, so_far);
+    so_far = exact_least_power(a->centre, 3, so_far);
+    so_far = exact_least_power(a->half_extents, 3, so_far);
+    so_far = exact_least_power(b->centre, 3, so_far);
+    return exact_least_power(b->half_extents, 3, so_far);
 }
 
 void exact_integer(mpz_t out, double value, int power)
 {
     mpz_set_d(out, ldexp(value, -power));
+}
+
+void exact_way(mpz_t out[3], const float from[3], const float to[3], const double shift[3],
+               int power, mpz_t term)
+{
+    for (int k = 0; k < 3; ++k) {
+        exact_integer(out[k], to[k], power);
+        exact_integer(term, from[k], power);
+        mpz_sub(out[k], out[k], term);
+        exact_integer(term, shift[k], power);
+        mpz_add(out[k], out[k], term);
+    }
 }
 
 // out = 2 (x y + sign z w)
@@ -144,17 +159,9 @@ typedef struct numbers {
 
 static void set_lengths(numbers *n, const duet_pose *a, const duet_pose *b, const double shift[3])
 {
-    int power = exact_least_power(a->centre, 3, INT_MAX);
-    power = exact_least_power(b->centre, 3, power);
-    power = exact_least_power(a->half_extents, 3, power);
-    power = exact_least_power(b->half_extents, 3, power);
-    power = exact_least_power_of_doubles(shift, power);
+    int power = exact_least_power_of_boxes(a, b, shift, INT_MAX);
+    exact_way(n->t, a->centre, b->centre, shift, power, n->term);
     for (int i = 0; i < 3; ++i) {
-        exact_integer(n->t[i], b->centre[i], power);
-        exact_integer(n->term, a->centre[i], power);
-        mpz_sub(n->t[i], n->t[i], n->term);
-        exact_integer(n->term, shift[i], power);
-        mpz_add(n->t[i], n->t[i], n->term);
         exact_integer(n->half_a[i], a->half_extents[i], power);
         exact_integer(n->half_b[i], b->half_extents[i], power);
     }
@@ -264,17 +271,12 @@ static void set_core_lengths(core_numbers *n, const duet_rounded_box *a, const d
 {
     const float radii[2] = {a->radius, b->radius};
     int power = exact_least_power(radii, 2, INT_MAX);
-    power = exact_least_power(a->pose.centre, 3, power);
-    power = exact_least_power(b->pose.centre, 3, power);
-    power = exact_least_power(a->pose.half_extents, 3, power);
-    power = exact_least_power(b->pose.half_extents, 3, power);
+    power = exact_least_power_of_boxes(&a->pose, &b->pose, narrow_here, power);
     exact_integer(n->reach, radii[0], power);
     exact_integer(n->term, radii[1], power);
     mpz_add(n->reach, n->reach, n->term);
+    exact_way(n->t, a->pose.centre, b->pose.centre, narrow_here, power, n->term);
     for (int k = 0; k < 3; ++k) {
-        exact_integer(n->t[k], b->pose.centre[k], power);
-        exact_integer(n->term, a->pose.centre[k], power);
-        mpz_sub(n->t[k], n->t[k], n->term);
         exact_integer(n->a.half[k], a->pose.half_extents[k], power);
         exact_integer(n->b.half[k], b->pose.half_extents[k], power);
     }

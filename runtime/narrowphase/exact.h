@@ -4,6 +4,8 @@
 #ifndef RUNTIME_EXACT_H
 #define RUNTIME_EXACT_H
 
+#include "runtime/duet.h"
+
 #include <gmp.h>
 #include <stddef.h>
 
@@ -13,10 +15,15 @@ void exact_close(void *numbers, size_t bytes);
 
 // The power of two that makes integers of all n values, if below so_far.
 int exact_least_power(const float *values, int n, int so_far);
-int exact_least_power_of_doubles(const double values[3], int so_far);
+int exact_least_power_of_boxes(const duet_pose *a, const duet_pose *b, const double shift[3],
+                               int so_far);
 
 // out = value / 2^power, which is an integer
 void exact_integer(mpz_t out, double value, int power);
+
+// The same of to - from + shift; term is overwritten.
+void exact_way(mpz_t out[3], const float from[3], const float to[3], const double shift[3],
+               int power, mpz_t term);
 
 // axis[i]: the direction of edge i, of length norm = |q|^2. The quaternion's own power of
 // two is left out, for M(q)/|q|^2 does not feel it.

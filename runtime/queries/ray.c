@@ -91,20 +91,14 @@ static void set_numbers(numbers *n, const duet_ray *ray, const duet_pose *box,
     int t_power = exact_least_power(&t_max, 1, 0);
     int v_power = exact_least_power(ray->direction, 3, 0);
     int power = exact_least_power(ray->origin, 3, ends ? t_power + v_power : 0);
-    power = exact_least_power(box->centre, 3, power);
-    power = exact_least_power(box->half_extents, 3, power);
     power = exact_least_power(&radius, 1, power);
-    power = exact_least_power_of_doubles(shift, power);
+    power = exact_least_power_of_boxes(box, box, shift, power);
     exact_axes(n->axis, n->norm, n->q, box->rotation);
     exact_integer(n->right, t_max, t_power);
     exact_integer(n->radius, radius, power);
     mpz_mul(n->radius, n->radius, n->norm);
+    exact_way(n->way, box->centre, ray->origin, shift, power, n->left);
     for (int k = 0; k < 3; ++k) {
-        exact_integer(n->way[k], ray->origin[k], power);
-        exact_integer(n->left, box->centre[k], power);
-        mpz_sub(n->way[k], n->way[k], n->left);
-        exact_integer(n->left, shift[k], power);
-        mpz_add(n->way[k], n->way[k], n->left);
         exact_integer(n->step[k], ray->direction[k], v_power);
         if (ends) {
             mpz_mul(n->step[k], n->step[k], n->right);

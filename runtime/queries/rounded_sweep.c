@@ -321,10 +321,7 @@ static void set_numbers(numbers *n, const duet_rounded_sweep *sweep, const duet_
     const duet_pose *a = &sweep->box.pose, *b = &box->pose;
     const float radii[2] = {sweep->box.radius, box->radius};
     int power = exact_least_power(radii, 2, 0);
-    power = exact_least_power(a->centre, 3, power);
-    power = exact_least_power(a->half_extents, 3, power);
-    power = exact_least_power(b->centre, 3, power);
-    power = exact_least_power(b->half_extents, 3, power);
+    power = exact_least_power_of_boxes(a, b, narrow_here, power);
     power = exact_step(n->edges[WAY], sweep->direction, sweep->t_max, power);
     exact_axes(n->edges, n->norm_a, n->q, a->rotation);
     exact_axes(n->edges + 3, n->norm_b, n->q, b->rotation);
@@ -336,11 +333,9 @@ static void set_numbers(numbers *n, const duet_rounded_sweep *sweep, const duet_
     mpz_add(n->limit, n->limit, n->term);
     mpz_mul(n->limit, n->limit, n->norms);
     mpz_mul(n->limit, n->limit, n->limit);
+    exact_way(n->begin, b->centre, a->centre, narrow_here, power, n->term);
     for (int k = 0; k < 3; ++k) {
         mpz_mul(n->edges[WAY][k], n->edges[WAY][k], n->norms);
-        exact_integer(n->begin[k], a->centre[k], power);
-        exact_integer(n->term, b->centre[k], power);
-        mpz_sub(n->begin[k], n->begin[k], n->term);
         mpz_mul(n->begin[k], n->begin[k], n->norms);
     }
 }

@@ -232,11 +232,7 @@ typedef struct numbers {
 static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *box,
                         const double shift[3])
 {
-    int power = exact_least_power(sweep->box.centre, 3, 0);
-    power = exact_least_power(sweep->box.half_extents, 3, power);
-    power = exact_least_power(box->centre, 3, power);
-    power = exact_least_power(box->half_extents, 3, power);
-    power = exact_least_power_of_doubles(shift, power);
+    int power = exact_least_power_of_boxes(&sweep->box, box, shift, 0);
     power = exact_step(n->step, sweep->direction, sweep->t_max, power);
     exact_axes(n->axis_a, n->norm_a, n->q, sweep->box.rotation);
     exact_axes(n->axis_b, n->norm_b, n->q, box->rotation);
@@ -244,12 +240,8 @@ static void set_numbers(numbers *n, const duet_sweep *sweep, const duet_pose *bo
     for (int k = 0; k < 3; ++k) {
         exact_integer(n->half_a[k], sweep->box.half_extents[k], power);
         exact_integer(n->half_b[k], box->half_extents[k], power);
-        exact_integer(n->way[k], sweep->box.centre[k], power);
-        exact_integer(n->term, box->centre[k], power);
-        mpz_sub(n->way[k], n->way[k], n->term);
-        exact_integer(n->term, shift[k], power);
-        mpz_add(n->way[k], n->way[k], n->term);
     }
+    exact_way(n->way, box->centre, sweep->box.centre, shift, power, n->term);
 }
 
 // All of it twice as long, so that the middle of bounds is an integer too.

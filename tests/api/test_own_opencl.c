@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Duet inside a program that has contexts, queues, buffers and events of its own: same pairs as
 // with the host's arrays, nothing of the program's is kept or lost, and each misuse ends in a line.
+#include "support/own_program.h"
 #include "support/test.h"
 
 #include "support/devices.h"
@@ -10,43 +11,14 @@
 
 enum { N = 600 };
 
-// The program: one context with the CPU's two halves where it can be cut, else with the CPU twice.
-static struct {
-    cl_device_id ids[2];
-    bool cut;
-    cl_context context;
-    cl_command_queue queues[2];
-} own;
-
 static duet_pose poses[N];
 
 // ------------------------------------------------------------ the program
 
-static cl_device_id first_device(void)
-{
-    cl_platform_id platform = NULL;
-    cl_device_id id = NULL;
-    assert_int_equal(clGetPlatformIDs(1, &platform, NULL), CL_SUCCESS);
-    assert_int_equal(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &id, NULL), CL_SUCCESS);
-    return id;
-}
-
 static int open_program(void **state)
 {
     (void)state;
-    const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
-                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-    cl_device_id root = first_device();
-    cl_uint n = 0;
-    own.cut = clCreateSubDevices(root, halves, 2, own.ids, &n) == CL_SUCCESS && n == 2;
-    if (!own.cut)
-        own.ids[0] = own.ids[1] = root;
-    own.context = clCreateContext(NULL, own.cut ? 2 : 1, own.ids, NULL, NULL, NULL);
-    assert_non_null(own.context);
-    for (int i = 0; i < 2; ++i) {
-        own.queues[i] = clCreateCommandQueue(own.context, own.ids[i], 0, NULL);
-        assert_non_null(own.queues[i]);
-    }
+    own_program_open();
     rng r = {test_seed()};
     for (int i = 0; i < N; ++i) {
         for (int k = 0; k < 3; ++k) {
@@ -71,63 +43,29 @@ static cl_uint context_references(void)
     return n;
 }
 
-static cl_uint queue_references(int i)
-{
-    cl_uint n = 0;
-    clGetCommandQueueInfo(own.queues[i], CL_QUEUE_REFERENCE_COUNT, sizeof n, &n, NULL);
-    return n;
-}
-
-static cl_uint references(cl_mem mem)
-{
-    cl_uint n = 0;
-    clGetMemObjectInfo(mem, CL_MEM_REFERENCE_COUNT, sizeof n, &n, NULL);
-    return n;
-}
-
 static int close_program(void **state)
 {
     (void)state;
-    for (int i = 0; i < 2; ++i) {
-        clFinish(own.queues[i]);
-        assert_int_equal(queue_references(i), 1);
-        clReleaseCommandQueue(own.queues[i]);
-    }
-    clReleaseContext(own.context);
-    for (int i = 0; own.cut && i < 2; ++i)
-        clReleaseDevice(own.ids[i]);
+    own_program_close();
     return 0;
-}
-
-static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
-{
-    cl_int code = 0;
-    cl_mem mem = clCreateBuffer(own.context, flags, size, NULL, &code);
-    assert_int_equal(code, CL_SUCCESS);
-    if (bytes)
-        assert_int_equal(
-            clEnqueueWriteBuffer(own.queues[0], mem, CL_TRUE, 0, size, bytes, 0, NULL, NULL),
-            CL_SUCCESS);
-    return mem;
 }
 
 static duet_device_pair *open_queues(cl_command_queue a, cl_command_queue b)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = NULL;
-    return must(duet_device_pair_create_on_queues(&def, a, b, ERR));
+    return kept(duet_device_pair_create_on_queues(&def, a, b, ERR));
 }
 
 static duet_world *make_world(duet_device_pair *pair, duet_world_def def)
 {
     def.pair = pair;
-    return must(duet_world_create(&def, ERR));
+    return kept(duet_world_create(&def, ERR));
 }
 
 static uint64_t hash_of(duet_world *world)
 {
-    duet_result result;
-    must(duet_world_step(world, &result, ERR));
+    duet_result result = step_world(world);
     return duet_result_get_hash(&result);
 }
 
@@ -146,15 +84,15 @@ TEST(a_pair_holds_what_it_uses_and_lets_all_of_it_go)
     const cl_uint before = context_references();
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     assert_true(context_references() > before);
-    assert_int_equal(queue_references(0), 2);
+    assert_int_equal(own_queue_references(0), 2);
     assert_ptr_equal(pair->devices[0].context, own.context);
     assert_ptr_not_equal(pair->devices[0].queue, own.queues[0]);
     assert_int_equal(duet_device_pair_is_one(pair), !own.cut);
     const char *selector = duet_device_pair_get_info(pair, 0)->selector;
     assert_int_equal(strstr(selector, "[1 unit]") != NULL, own.cut);
-    duet_device_pair_destroy(pair);
+    test_give_back(pair);
     assert_int_equal(context_references(), before);
-    assert_int_equal(queue_references(0), 1);
+    assert_int_equal(own_queue_references(0), 1);
 }
 
 TEST(one_queue_is_a_pair_of_one)
@@ -163,7 +101,7 @@ TEST(one_queue_is_a_pair_of_one)
         duet_device_pair *pair = open_queues(i ? NULL : own.queues[0], i ? own.queues[0] : NULL);
         assert_true(duet_device_pair_is_one(pair));
         assert_int_equal(duet_default_plan(pair).share, 0);
-        duet_device_pair_destroy(pair);
+        test_give_back(pair);
     }
 }
 
@@ -172,10 +110,10 @@ TEST(a_device_without_a_queue_is_opened_by_its_selector)
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = "cpu";
     duet_device_pair *pair =
-        must(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], ERR));
+        kept(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], ERR));
     assert_ptr_not_equal(pair->devices[0].context, own.context);
     assert_ptr_equal(pair->devices[1].context, own.context);
-    duet_device_pair_destroy(pair);
+    test_give_back(pair);
     def.a = "nowhere";
     must_fail(duet_device_pair_create_on_queues(&def, NULL, own.queues[1], ERR),
               DUET_STATUS_BAD_ARGUMENT, "no device 'nowhere'");
@@ -186,14 +124,14 @@ TEST(a_device_without_a_queue_is_opened_by_its_selector)
 // A profile that was measured on the device by its selector is one for the caller's queue.
 TEST(profiles_are_those_of_the_device)
 {
-    cl_device_id root = first_device();
+    cl_device_id root = own.root;
     cl_context context = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
     cl_command_queue queue = clCreateCommandQueue(context, root, 0, NULL);
     duet_device_pair *pair = open_queues(queue, NULL);
     clReleaseCommandQueue(queue);
     clReleaseContext(context);
     duet_device_pair *named =
-        must(duet_device_pair_open(duet_device_pair_get_info(pair, 0)->selector, ERR));
+        kept(duet_device_pair_open(duet_device_pair_get_info(pair, 0)->selector, ERR));
     duet_device_pair *pairs[] = {pair, named};
     profile_subject subjects[2];
     uint64_t hashes[2];
@@ -204,14 +142,13 @@ TEST(profiles_are_those_of_the_device)
         must(profile_subject_read(world, &subjects[i], ERR));
         must(duet_world_load_profile(world, NULL, &profile, ERR));
         hashes[i] = hash_of(world); // the program has released its queue and context
-        duet_world_destroy(world);
+        test_give_back(world);
     }
     assert_true(hashes[0] == hashes[1]);
     assert_string_equal(subjects[0].pair.a.device.name, subjects[1].pair.a.device.name);
     assert_int_equal(subjects[0].pair.a.device.units, subjects[1].pair.a.device.units);
     assert_null(subjects[0].pair.b.part);
-    duet_device_pair_destroy(named);
-    duet_device_pair_destroy(pair);
+    test_give_back(named);
 }
 
 // Parts that the program cut off are described as those that Duet cuts off.
@@ -224,7 +161,7 @@ TEST(profiles_are_those_of_the_parts)
     const char *whole = duet_device_pair_get_info(pair, 0)->selector;
     int length = (int)strcspn(whole, "[");
     snprintf(selectors, sizeof selectors, "%.*s[0-0],%.*s[1-1]", length, whole, length, whole);
-    duet_device_pair *named = must(duet_device_pair_open(selectors, ERR));
+    duet_device_pair *named = kept(duet_device_pair_open(selectors, ERR));
     duet_device_pair *pairs[] = {pair, named};
     duet_world *worlds[2];
     profile_subject subjects[2];
@@ -243,10 +180,9 @@ TEST(profiles_are_those_of_the_parts)
         assert_int_equal(ours->part_units, theirs->part_units);
         assert_int_equal(ours->device.units, theirs->device.units);
         assert_int_equal(ours->device.max_group, theirs->device.max_group);
-        duet_world_destroy(worlds[side]);
+        test_give_back(worlds[side]);
     }
-    duet_device_pair_destroy(named);
-    duet_device_pair_destroy(pair);
+    test_give_back(named);
 }
 
 // ------------------------------------------------------------ objects
@@ -282,9 +218,8 @@ static void fill_kinds(void)
 
 static void set_by_buffer(duet_world *world, given g)
 {
-    cl_mem mem = make_buffer(g.rows, N * g.bytes, CL_MEM_READ_ONLY);
+    cl_mem mem = own_buffer(g.rows, N * g.bytes, CL_MEM_READ_ONLY);
     must(duet_world_set_objects_buffer(world, g.kind, mem, N, 0, NULL, ERR));
-    clReleaseMemObject(mem); // which the world holds
 }
 
 static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def def, given g)
@@ -313,8 +248,6 @@ static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def d
         assert_true(hash_of(world) == duet_result_get_hash(&right));
         assert_true(hash_of(world) == duet_result_get_hash(&right)); // the pairs are as they were
     }
-    duet_world_destroy(world);
-    duet_world_destroy(host);
 }
 
 static void every_kind(duet_device_pair *pair, uint32_t dims)
@@ -350,7 +283,6 @@ TEST(objects_of_a_buffer_are_those_of_the_host)
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     every_kind(pair, 3);
     every_kind(pair, 2);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(a_device_of_another_context_gets_them_through_the_host)
@@ -359,10 +291,10 @@ TEST(a_device_of_another_context_gets_them_through_the_host)
     duet_device_pair_def pair_def = duet_default_device_pair_def();
     pair_def.a = pair_def.b = own.cut ? "cpu[1/1]" : "cpu";
     for (int side = 0; side < 2; ++side) {
-        duet_device_pair *pair = must(duet_device_pair_create_on_queues(
+        duet_device_pair *pair = kept(duet_device_pair_create_on_queues(
             &pair_def, side ? NULL : own.queues[0], side ? own.queues[1] : NULL, ERR));
         steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
-        duet_device_pair_destroy(pair);
+        test_give_back(pair);
     }
 }
 
@@ -380,7 +312,7 @@ TEST(devices_with_memory_of_their_own_find_the_same)
         steps_are_those_of_the_host(
             pair, apart, (given){DUET_OBJECT_COMPACT_TRANSFORMS, sizeof *compact, compact});
         set_host_memory(pair, true, true);
-        duet_device_pair_destroy(pair);
+        test_give_back(pair);
     }
 }
 
@@ -417,9 +349,6 @@ TEST(objects_are_checked_as_the_hosts)
     poses[3].half_extents[1] = kept;
     set_by_buffer(world, g);
     assert_true(hash_of(world) == right);
-    duet_world_destroy(world);
-    duet_world_destroy(host);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
@@ -427,7 +356,7 @@ TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
     duet_result result;
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
-    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    cl_mem mem = own_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
     const uint64_t right = hash_of(world);
     // Nonsense is there until the program's own event lets the poses come.
@@ -451,13 +380,10 @@ TEST(a_step_reads_objects_once_what_it_waits_for_is_over)
         clReleaseEvent(written);
         clReleaseEvent(gate);
     }
-    assert_true(references(mem) == 2);
+    assert_true(own_references(mem) == 2);
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
-    assert_true(references(mem) == 1);
+    assert_true(own_references(mem) == 1);
     assert_true(hash_of(world) == right);
-    clReleaseMemObject(mem);
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(what_was_waited_for_in_vain_is_told)
@@ -465,16 +391,13 @@ TEST(what_was_waited_for_in_vain_is_told)
     duet_result result;
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
-    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    cl_mem mem = own_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     cl_event gate = clCreateUserEvent(own.context, NULL);
     must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 1, &gate, ERR));
     clSetUserEventStatus(gate, -5);
     must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_DEVICE_FAILED,
               "an event that the objects wait for has failed");
     clReleaseEvent(gate);
-    clReleaseMemObject(mem);
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
 }
 
 // ------------------------------------------------------------ pairs
@@ -502,8 +425,8 @@ static void leave_everywhere(duet_device_pair *pair)
     set_by_buffer(world, g);
     const duet_result right = step_world(world);
     const uint64_t hash = duet_result_get_hash(&right), n = right.pairs;
-    cl_mem pairs = make_buffer(NULL, n * sizeof(duet_pair), CL_MEM_READ_WRITE);
-    cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
+    cl_mem pairs = own_buffer(NULL, n * sizeof(duet_pair), CL_MEM_READ_WRITE);
+    cl_mem count = own_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
     for (int i = 0; i < 12; ++i) {
         bool mine = i % 2;
         duet_pair_buffers buffers;
@@ -522,12 +445,9 @@ static void leave_everywhere(duet_device_pair *pair)
         assert_true(hash_of_buffers(&buffers) == hash);
     }
     must(duet_world_bring_pairs(world, ERR));
-    assert_int_equal(references(pairs), 1);
-    assert_int_equal(references(count), 1);
+    assert_int_equal(own_references(pairs), 1);
+    assert_int_equal(own_references(count), 1);
     assert_true(hash_of(world) == hash);
-    clReleaseMemObject(pairs);
-    clReleaseMemObject(count);
-    duet_world_destroy(world);
 }
 
 TEST(pairs_are_left_in_buffers)
@@ -537,7 +457,7 @@ TEST(pairs_are_left_in_buffers)
         set_host_memory(pair, i > 1, i > 0);
         leave_everywhere(pair);
         set_host_memory(pair, true, true);
-        duet_device_pair_destroy(pair);
+        test_give_back(pair);
     }
 }
 
@@ -546,7 +466,7 @@ TEST(pairs_are_left_in_buffers)
 TEST(buffers_come_from_the_context_of_a_pair_without_queues)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = must(duet_device_pair_create(&def, ERR));
+    duet_device_pair *pair = kept(duet_device_pair_create(&def, ERR));
     duet_world *world = make_world(pair, duet_default_world_def());
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     const uint64_t hash = hash_of(world);
@@ -564,8 +484,6 @@ TEST(buffers_come_from_the_context_of_a_pair_without_queues)
     clReleaseMemObject(mem);
     must(duet_world_bring_pairs(world, ERR));
     assert_true(hash_of(world) == hash);
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
@@ -577,7 +495,7 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     const uint64_t n = step_world(world).pairs;
     duet_pair kept[3] = {{1, 2}, {3, 4}, {5, 6}}, now[3];
-    cl_mem pairs = make_buffer(kept, sizeof kept, CL_MEM_READ_WRITE);
+    cl_mem pairs = own_buffer(kept, sizeof kept, CL_MEM_READ_WRITE);
     must(duet_world_leave_pairs(world, 1, pairs, NULL, ERR));
     must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_TOO_MANY,
               "the caller's buffer holds 3; expected one of");
@@ -586,9 +504,6 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
     assert_memory_equal(now, kept, sizeof now);
     must_fail(duet_world_get_pair_buffers(world, &buffers, ERR), DUET_STATUS_BAD_ARGUMENT,
               "no step has left its pairs");
-    clReleaseMemObject(pairs);
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
 }
 
 // ------------------------------------------------------------ two halves
@@ -600,8 +515,8 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     cl_event done = NULL;
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
-    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
-    cl_mem count = make_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
+    cl_mem mem = own_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    cl_mem count = own_buffer(NULL, sizeof(cl_ulong), CL_MEM_READ_WRITE);
     cl_ulong read = 0;
     must_fail(duet_world_step_begin_event(world, &done, ERR), DUET_STATUS_BAD_ARGUMENT,
               "pairs come to the host");
@@ -632,10 +547,6 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     assert_int_equal(read, 0);
     must_fail(duet_world_get_pair_buffers(world, &buffers, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     clReleaseEvent(done);
-    clReleaseMemObject(count);
-    clReleaseMemObject(mem);
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(between_the_halves_of_a_step_nothing_else_is_taken)
@@ -647,7 +558,7 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
     cl_event done = NULL;
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
-    cl_mem mem = make_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
+    cl_mem mem = own_buffer(poses, sizeof poses, CL_MEM_READ_WRITE);
     must_fail(duet_world_step_end(world, &result, ERR), DUET_STATUS_BAD_ARGUMENT,
               "no step is under way");
     // It is under way as long as its objects are not there.
@@ -676,9 +587,6 @@ TEST(between_the_halves_of_a_step_nothing_else_is_taken)
     clReleaseEvent(gate);
     must(duet_world_step_end(world, &result, ERR));
     must(duet_world_step_begin(world, ERR));
-    duet_world_destroy(world); // which waits
-    clReleaseMemObject(mem);
-    duet_device_pair_destroy(pair);
 }
 
 // ------------------------------------------------------------ states
@@ -694,8 +602,8 @@ TEST(states_are_copied_into_a_buffer)
     def.pair = pair;
     def.gravity[1] = -10.0;
     duet_motion *motion = must(duet_motion_create(&def, poses, NULL, SOME, ERR));
-    cl_mem mem = make_buffer(NULL, sizeof rows, CL_MEM_READ_WRITE);
-    cl_mem small = make_buffer(NULL, sizeof rows - 1, CL_MEM_READ_WRITE);
+    cl_mem mem = own_buffer(NULL, sizeof rows, CL_MEM_READ_WRITE);
+    cl_mem small = own_buffer(NULL, sizeof rows - 1, CL_MEM_READ_WRITE);
     for (int i = 0; i < 2; ++i) {
         cl_event gate = clCreateUserEvent(own.context, NULL), done = NULL;
         must(duet_motion_advance(motion, &result, ERR));
@@ -718,10 +626,9 @@ TEST(states_are_copied_into_a_buffer)
     must_fail(
         duet_motion_copy_states(motion, DUET_STATE_ANGULAR_VELOCITIES, mem, 0, NULL, NULL, ERR),
         DUET_STATUS_BAD_ARGUMENT, "needs the effect angular_velocity");
-    clReleaseMemObject(small);
-    clReleaseMemObject(mem);
+    test_give_back(small);
+    test_give_back(mem);
     duet_motion_destroy(motion);
-    duet_device_pair_destroy(pair);
 }
 
 // ------------------------------------------------------------ misuse
@@ -731,15 +638,14 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
     duet_device_pair_def def = duet_default_device_pair_def();
     duet_device_pair *pair = open_queues(own.queues[0], own.queues[1]);
     duet_world *world = make_world(pair, duet_default_world_def());
-    cl_device_id root = first_device();
-    cl_context other = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
+    cl_context other = clCreateContext(NULL, 1, &own.root, NULL, NULL, NULL);
     cl_mem foreign = clCreateBuffer(other, CL_MEM_READ_WRITE, sizeof poses, NULL, NULL);
     cl_event event = clCreateUserEvent(other, NULL);
-    cl_mem small = make_buffer(NULL, 79, CL_MEM_READ_WRITE);
-    cl_mem tiny = make_buffer(NULL, 4, CL_MEM_READ_WRITE);
-    cl_mem unread = make_buffer(NULL, sizeof poses, CL_MEM_WRITE_ONLY);
-    cl_mem unwritten = make_buffer(NULL, sizeof poses, CL_MEM_READ_ONLY);
-    cl_mem hidden = make_buffer(NULL, sizeof poses, CL_MEM_READ_WRITE | CL_MEM_HOST_NO_ACCESS);
+    cl_mem small = own_buffer(NULL, 79, CL_MEM_READ_WRITE);
+    cl_mem tiny = own_buffer(NULL, 4, CL_MEM_READ_WRITE);
+    cl_mem unread = own_buffer(NULL, sizeof poses, CL_MEM_WRITE_ONLY);
+    cl_mem unwritten = own_buffer(NULL, sizeof poses, CL_MEM_READ_ONLY);
+    cl_mem hidden = own_buffer(NULL, sizeof poses, CL_MEM_READ_WRITE | CL_MEM_HOST_NO_ACCESS);
     const struct {
         cl_mem objects;
         const char *says;
@@ -775,13 +681,12 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
     def.cookie = 0;
     must_fail(duet_device_pair_create_on_queues(&def, own.queues[0], NULL, ERR),
               DUET_STATUS_BAD_ARGUMENT, "begins with duet_default_device_pair_def");
-    duet_world_destroy(world);
-    duet_device_pair_destroy(pair);
+    test_give_back(world);
+    test_give_back(pair);
     cl_mem mems[] = {foreign, small, tiny, unread, unwritten, hidden};
-    for (size_t i = 0; i < sizeof mems / sizeof *mems; ++i) {
-        assert_int_equal(references(mems[i]), 1);
-        clReleaseMemObject(mems[i]);
-    }
+    for (size_t i = 0; i < sizeof mems / sizeof *mems; ++i)
+        assert_int_equal(own_references(mems[i]), 1);
+    clReleaseMemObject(foreign);
     clReleaseEvent(event);
     clReleaseContext(other);
 }

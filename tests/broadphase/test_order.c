@@ -136,8 +136,7 @@ static duet_world *make_hashed_world(duet_shape shape)
     def.pair = devices;
     def.shape = shape;
     def.plan.mode = DUET_MODE_OWN;
-    strcpy(def.plan.variant_a, "simd grid=hashed");
-    strcpy(def.plan.variant_b, "simd grid=hashed");
+    set_variants(&def.plan, "simd grid=hashed");
     return create_world(&def);
 }
 
@@ -254,8 +253,7 @@ static duet_world_def ordered_def(uint32_t dims, const char *kernels)
     def.ordered = true;
     def.plan.mode = DUET_MODE_SLAB;
     def.plan.share = DUET_SHARE_ONE / 2;
-    strcpy(def.plan.variant_a, kernels);
-    strcpy(def.plan.variant_b, kernels);
+    set_variants(&def.plan, kernels);
     return def;
 }
 

@@ -52,8 +52,7 @@ static duet_world_def world_def(uint32_t dims, const char *text)
     def.dims = dims;
     def.plan.mode = DUET_MODE_SLAB;
     def.plan.share = DUET_SHARE_ONE / 2;
-    strcpy(def.plan.variant_a, text);
-    strcpy(def.plan.variant_b, text);
+    set_variants(&def.plan, text);
     return def;
 }
 

@@ -43,23 +43,17 @@ static void fill(const scene *s, rng *r)
     }
 }
 
-static uint64_t reference_hash(const scene *s, duet_level level, uint64_t *n)
+static uint64_t true_hash(const scene *s, duet_level level, uint64_t *n)
 {
-    reference_objects objects = {.dims = s->dims,
-                                 .shape = s->shape,
-                                 .n = OBJECTS,
-                                 .rounded_boxes = boxes,
-                                 .spheres = spheres,
-                                 .level = level,
-                                 .rotated = s->rotated};
-    reference_found each = {0}, columns = {0};
-    must(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &each, ERR));
-    must(reference_find(&objects, REFERENCE_COLUMNS, &columns, ERR));
-    uint64_t hash = duet_pairs_hash(each.pairs, each.n);
-    assert_true(hash == duet_pairs_hash(columns.pairs, columns.n));
-    *n = each.n;
-    duet_free(each.pairs);
-    duet_free(columns.pairs);
+    const reference_objects objects = {.dims = s->dims,
+                                       .shape = s->shape,
+                                       .n = OBJECTS,
+                                       .rounded_boxes = boxes,
+                                       .spheres = spheres,
+                                       .level = level,
+                                       .rotated = s->rotated};
+    uint64_t hash = reference_hash(&objects, REFERENCE_EACH_WITH_EACH, n);
+    assert_true(hash == reference_hash(&objects, REFERENCE_COLUMNS, n));
     return hash;
 }
 
@@ -73,8 +67,7 @@ static duet_world_def def_of(const scene *s, duet_level level, duet_mode mode, u
     def.rotated = s->rotated;
     def.level = level;
     def.plan = (duet_plan){.share = share, .mode = mode};
-    strcpy(def.plan.variant_a, words);
-    strcpy(def.plan.variant_b, words);
+    set_variants(&def.plan, words);
     return def;
 }
 
@@ -90,7 +83,7 @@ static void assert_finds_the_reference(const scene *s, duet_level level, duet_mo
 {
     duet_result result;
     uint64_t n;
-    uint64_t expected = reference_hash(s, level, &n);
+    uint64_t expected = true_hash(s, level, &n);
     duet_world_def def = def_of(s, level, mode, share, words);
     duet_world *world = kept(duet_world_create(&def, ERR));
     must(set_objects(world, s, ERR));

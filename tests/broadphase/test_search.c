@@ -4,8 +4,6 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "runtime/scene/reference.h"
-
 enum { MOST = 2500 };
 
 typedef struct crowd {
@@ -39,23 +37,8 @@ static void fill(crowd *c, rng *r, double width)
         float scale = c->mixed ? (float)(1u << rng_below(r, 7)) / 16 : 1;
         for (int k = 0; k < 3; ++k)
             c->poses[i].half_extents[k] *= scale;
-        for (int k = 0; k < 3; ++k) {
-            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half_extents[k];
-            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half_extents[k];
-        }
+        c->bounds[i] = bounds_of_upright(&c->poses[i]);
     }
-}
-
-static uint64_t reference_hash(const crowd *c, uint64_t *n_pairs)
-{
-    reference_objects objects = {
-        .dims = c->dims, .shape = c->shape, .n = c->n, .poses = c->poses, .bounds = c->bounds};
-    reference_found found = {0};
-    must(reference_find(&objects, REFERENCE_COLUMNS, &found, ERR));
-    uint64_t hash = duet_pairs_hash(found.pairs, found.n);
-    *n_pairs = found.n;
-    duet_free(found.pairs);
-    return hash;
 }
 
 static duet_world *open_world(duet_device_pair *pair, const crowd *c)
@@ -85,8 +68,9 @@ static void assert_finds(duet_world *world, const crowd *c, const char *a, const
     duet_result result;
     must(duet_world_set_plan(world, &plan, ERR));
     must(duet_world_step(world, &result, ERR));
-    uint64_t n_pairs;
-    uint64_t hash = reference_hash(c, &n_pairs);
+    const reference_objects objects = {
+        .dims = c->dims, .shape = c->shape, .n = c->n, .poses = c->poses, .bounds = c->bounds};
+    uint64_t n_pairs, hash = reference_hash(&objects, REFERENCE_COLUMNS, &n_pairs);
     if (result.pairs != n_pairs || duet_result_get_hash(&result) != hash)
         fail_msg("%uD shape %d rotated %d n %u, %s and %s at %u: %" PRIu64 " pairs, not %" PRIu64,
                  c->dims, (int)c->shape, c->rotated, c->n, a, b, share, result.pairs, n_pairs);

@@ -25,8 +25,7 @@ static void fill(rng *r, uint32_t n, double edge)
         poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(r, 0.0, edge);
-        for (int k = 0; k < 4; ++k)
-            poses[i].rotation[k] = (float)rng_normal(r);
+        turn_at_random(&poses[i], r);
     }
 }
 
@@ -37,8 +36,7 @@ static duet_world *make_world(duet_mode mode, const char *text, bool keep_bad)
     def.pair = devices;
     def.plan.mode = mode;
     def.keep_bad = keep_bad;
-    strcpy(def.plan.variant_a, text);
-    strcpy(def.plan.variant_b, text);
+    set_variants(&def.plan, text);
     duet_world *world = kept(duet_world_create(&def, ERR));
     world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
     return world;

@@ -37,8 +37,7 @@ static void fill(rng *r, uint32_t n, uint32_t dims)
             poses[i].centre[k] = (float)rng_between(r, 0.0, edge);
             poses[i].half_extents[k] = (float)rng_between(r, 0.3, 0.6);
         }
-        for (int k = 0; k < 4; ++k)
-            poses[i].rotation[k] = (float)rng_normal(r);
+        turn_at_random(&poses[i], r);
         // Has any length; the last word is odd, so that none is zero.
         for (int k = 0; compact && k < 4; ++k)
             poses[i].rotation[k] =
@@ -52,8 +51,7 @@ static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
     def.pair = devices;
     def.dims = dims;
     def.plan = (duet_plan){.share = DUET_SHARE_ONE / 3, .mode = mode};
-    strcpy(def.plan.variant_a, text);
-    strcpy(def.plan.variant_b, text);
+    set_variants(&def.plan, text);
     def.separate_sizes = !compact;
     def.compact_transforms = compact;
     return kept(duet_world_create(&def, ERR));

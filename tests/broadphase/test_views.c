@@ -31,8 +31,7 @@ static void fill_set(rng *r, int s, uint32_t n)
             pose->centre[k] = (float)rng_between(r, 0.0, edge);
         if (s % 2 == 0 && rng_below(r, 100) > 0)
             pose->centre[2] = (float)(edge * i / n);
-        for (int k = 0; k < 4; ++k)
-            pose->rotation[k] = (float)rng_normal(r);
+        turn_at_random(pose, r);
         for (int k = 0; k < 3; ++k) {
             sets[s].bounds[i].lower[k] = pose->centre[k];
             sets[s].bounds[i].upper[k] = pose->centre[k] + 1.0f;
@@ -142,8 +141,7 @@ static void set_plan(duet_world *world, rng *r, uint32_t p)
 
 static duet_result step(duet_world *world, int s, const char *way, uint32_t p)
 {
-    duet_result result;
-    must(duet_world_step(world, &result, ERR));
+    duet_result result = step_world(world);
     if (duet_result_get_hash(&result) != sets[s].hashes[world->objects.kind != DUET_OBJECT_POSES])
         fail_msg("objects %s, plan %u ('%s', '%s'), share %u, %s: %llu pairs are not the "
                  "reference's",

@@ -166,6 +166,21 @@ TEST(a_recording_gives_the_same_hash_with_another_plan)
     program_assert_refused(program_run("run --replay " RECORDING " " SCENE), 2, "--replay");
 }
 
+// The first step of a scene, as a picture that the test keeps.
+static text draw(const char *options, const char *scene)
+{
+    test_write_file(BALL, scene);
+    program_done(program_run("run --steps 1 %s --picture " PICTURE " " BALL, options));
+    text drawn = test_read_file(PICTURE);
+    test_keep(drawn.chars, free);
+    return drawn;
+}
+
+static bool are_same(text a, text b)
+{
+    return a.length == b.length && memcmp(a.chars, b.chars, a.length) == 0;
+}
+
 // A scene of one ball at rest, and a recording in which another one comes, with the given radius.
 static text draw_one_that_comes(double radius)
 {
@@ -183,12 +198,11 @@ static text draw_one_that_comes(double radius)
         "assert(motion:advance())\n"
         "assert(motion:save_recording '" RECORDING "')\n";
     char given[sizeof script + 16];
-    int n = snprintf(given, sizeof given, script, radius);
+    snprintf(given, sizeof given, script, radius);
+    test_write_file(SCRIPT, given);
     test_write_file(BALL, scene);
-    must(text_write_file(SCRIPT, given, (size_t)n, ERR));
     program_done(program_run("lua --trust " SCRIPT));
-    program_done(program_run("run --steps 1 --replay " RECORDING " --picture " PICTURE " " BALL));
-    return test_read_file(PICTURE);
+    return draw("--replay " RECORDING, scene);
 }
 
 // Nothing else differs.
@@ -196,10 +210,7 @@ TEST(what_commands_bring_is_drawn_with_its_radius)
 {
     text sharp = draw_one_that_comes(0.0), round = draw_one_that_comes(0.5);
     assert_true(sharp.length > 100 && round.length > 100);
-    assert_false(sharp.length == round.length &&
-                 memcmp(sharp.chars, round.chars, sharp.length) == 0);
-    text_free(&sharp);
-    text_free(&round);
+    assert_false(are_same(sharp, round));
 }
 
 // A ridge, balls before and behind it, and another one.
@@ -218,15 +229,8 @@ static text draw_on_ridge(double height, double x, double y)
         "         heights = { nx = 9, ny = 9, spacing = 2, origin = { -8, -8, 0 }, values = values "
         "} }\n";
     char given[sizeof scene + 64];
-    int n = snprintf(given, sizeof given, scene, height, x, y);
-    must(text_write_file(BALL, given, (size_t)n, ERR));
-    program_done(program_run("run --steps 1 --picture " PICTURE " " BALL));
-    return test_read_file(PICTURE);
-}
-
-static bool are_same(const text *a, const text *b)
-{
-    return a->length == b->length && memcmp(a->chars, b->chars, a->length) == 0;
+    snprintf(given, sizeof given, scene, height, x, y);
+    return draw("", given);
 }
 
 // The eye stands at great x and small y. A greater ball would be seen by a 255th where two
@@ -236,13 +240,10 @@ TEST(hills_hide_what_is_behind_them_alone)
     text behind = draw_on_ridge(8, 0, -1), there = draw_on_ridge(8, 0.5, -0.5);
     text ahead = draw_on_ridge(8, 4, -5), level = draw_on_ridge(0, 0, -1);
     text level_there = draw_on_ridge(0, 0.5, -0.5);
-    assert_true(are_same(&behind, &there));
-    assert_false(are_same(&behind, &ahead));
-    assert_false(are_same(&behind, &level));
-    assert_false(are_same(&level, &level_there));
-    text *all[] = {&behind, &there, &ahead, &level, &level_there};
-    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
-        text_free(all[i]);
+    assert_true(are_same(behind, there));
+    assert_false(are_same(behind, ahead));
+    assert_false(are_same(behind, level));
+    assert_false(are_same(level, level_there));
 }
 
 // An upright plate of two triangles that looks to the eye or away from it, and a ball that is
@@ -258,11 +259,8 @@ static text draw_at_plate(bool to_eye, double x)
         "  vertices = { -5, -5, 0, 5, 5, 0, 5, 5, 8, -5, -5, 8 },\n"
         "  triangles = { %s } } }\n";
     char given[sizeof scene + 64];
-    int n = snprintf(given, sizeof given, scene, x, -x,
-                     to_eye ? "0, 1, 2, 0, 2, 3" : "0, 2, 1, 0, 3, 2");
-    must(text_write_file(BALL, given, (size_t)n, ERR));
-    program_done(program_run("run --steps 1 --picture " PICTURE " " BALL));
-    return test_read_file(PICTURE);
+    snprintf(given, sizeof given, scene, x, -x, to_eye ? "0, 1, 2, 0, 2, 3" : "0, 2, 1, 0, 3, 2");
+    return draw("", given);
 }
 
 TEST(a_mesh_hides_what_is_behind_its_outside_alone)
@@ -270,13 +268,10 @@ TEST(a_mesh_hides_what_is_behind_its_outside_alone)
     text behind = draw_at_plate(true, -1.25), further = draw_at_plate(true, -1.6);
     text ahead = draw_at_plate(true, 1), from_within = draw_at_plate(false, -1.25);
     text from_within_further = draw_at_plate(false, -1.6);
-    assert_true(are_same(&behind, &further));
-    assert_false(are_same(&behind, &ahead));
-    assert_false(are_same(&behind, &from_within));
-    assert_false(are_same(&from_within, &from_within_further));
-    text *all[] = {&behind, &further, &ahead, &from_within, &from_within_further};
-    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
-        text_free(all[i]);
+    assert_true(are_same(behind, further));
+    assert_false(are_same(behind, ahead));
+    assert_false(are_same(behind, from_within));
+    assert_false(are_same(from_within, from_within_further));
 }
 
 TEST_MAIN(make_scene, NULL)

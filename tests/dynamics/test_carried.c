@@ -47,11 +47,10 @@ static shape *drum_of(double radius, double half, uint32_t sides)
 // A mover on that mesh, whose first body carries it and touches nothing.
 static mover *carrying(const shape *c)
 {
-    mover *m = ground_mover();
+    mover *m = ground_mover(NULL, c ? &c->mesh : NULL);
     duet_body *b = &m->bodies[mover_add(m, 0, 0, 0, 0.01, 0.01, 0.01)];
     b->mass = 0;
     b->group = b->mask = 0;
-    m->def.mesh = c ? &c->mesh : NULL;
     return m;
 }
 

@@ -272,10 +272,8 @@ static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
                   p.orders.known.n_stale, p.n_searched_some, n_steps);
     assert_true(p.n_searched_some > 0 || kind != USUAL || n_steps < 100);
     uint64_t hash = mover_hash(p.movers[0]);
-    for (int k = 0; k < PLAYERS; ++k) {
-        asker_close(p.askers[k]);
+    for (int k = 0; k < PLAYERS; ++k)
         mover_free(p.movers[k]);
-    }
     return hash;
 }
 

@@ -475,14 +475,6 @@ TEST(what_is_sent_to_sleep_on_its_way_never_arrives)
 
 // ------------------------------------------------------------ a search of some
 
-static bool has_stage(const mover *m, const char *name)
-{
-    for (uint32_t i = 0; i < m->last.n_stages; ++i)
-        if (strcmp(m->last.stages[i].name, name) == 0)
-            return true;
-    return false;
-}
-
 // The first world searches all, the second where it can only some.
 static void assert_rests_alike(mover *twins[2], bool some)
 {
@@ -491,8 +483,8 @@ static void assert_rests_alike(mover *twins[2], bool some)
     motion_alter_all(twins[0]->motion);
     for (int k = 0; k < 2; ++k) {
         mover_run(twins[k], 1);
-        assert_true(has_stage(twins[k], "altered_pairs") == (some && k > 0));
-        assert_true(has_stage(twins[k], "pairs") == !(some && k > 0));
+        assert_true(mover_has_stage(twins[k], "altered_pairs") == (some && k > 0));
+        assert_true(mover_has_stage(twins[k], "pairs") == !(some && k > 0));
         must(duet_motion_get_contacts(twins[k]->motion, &contacts[k], &n[k], ERR));
     }
     assert_true(mover_hash(twins[0]) == mover_hash(twins[1]));

@@ -145,8 +145,7 @@ static flight shoot(double speed, double dt, uint32_t wants, double angle)
     mover *m = mover_new(3);
     m->def.dt = dt;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | wants;
-    uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 2000, 2000);
-    m->bodies[wall].mass = 0.0f;
+    mover_add_fixed(m, 10, 0, 0, 0.05, 2000, 2000);
     uint32_t bullet = mover_add_cube(m, 0.013, 0, 0, 0.1);
     m->bodies[bullet].velocity[0] = (float)(speed * cos(angle));
     m->bodies[bullet].velocity[1] = (float)(speed * sin(angle));
@@ -192,8 +191,7 @@ TEST(a_bullet_that_misses_is_not_held)
 {
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-    uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 1, 1);
-    m->bodies[wall].mass = 0.0f;
+    mover_add_fixed(m, 10, 0, 0, 0.05, 1, 1);
     uint32_t bullet = mover_add_cube(m, 0, 1.2, 0, 0.1);
     m->bodies[bullet].velocity[0] = 2000.0f;
     mover_run(m, 6);
@@ -555,8 +553,7 @@ TEST(a_box_slides_over_a_seam)
 {
     mover *m = mover_new(3);
     mover_add_floor(m, 2);
-    uint32_t next = mover_add(m, 4, 0, -0.5, 2, 2, 0.5);
-    m->bodies[next].mass = 0.0f;
+    mover_add_fixed(m, 4, 0, -0.5, 2, 2, 0.5);
     for (uint32_t id = 0; id < m->n; ++id)
         m->bodies[id].friction = 0.0f;
     uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
@@ -577,8 +574,7 @@ TEST(what_rests_sleeps_and_is_woken)
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
     m->def.gravity[2] = -9.81;
-    uint32_t floor = mover_add(m, 0, 0, -0.5, 20, 5, 0.5);
-    m->bodies[floor].mass = 0.0f;
+    mover_add_fixed(m, 0, 0, -0.5, 20, 5, 0.5);
     for (int i = 0; i < 3; ++i)
         mover_add_cube(m, 0, 0, i + 0.5, 1);
     uint32_t ball = mover_add_cube(m, -15, 0, 1.5, 1);
@@ -601,8 +597,7 @@ TEST(what_slept_on_a_box_that_is_gone_falls)
         m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP | DUET_EFFECT_CONTINUOUS;
         m->def.gravity[2] = -9.81;
         m->def.skin = skin * 0.05;
-        uint32_t floor = mover_add(m, 0, 0, -0.5, 300, 5, 0.5);
-        m->bodies[floor].mass = 0.0f;
+        mover_add_fixed(m, 0, 0, -0.5, 300, 5, 0.5);
         mover_add_cube(m, 0, 0, 0.5, 1);
         uint32_t upper = mover_add_cube(m, 0, 0, 1.5, 1);
         uint32_t bullet = mover_add_cube(m, -250, 0, 0.5, 0.5);

@@ -5,8 +5,10 @@
 
 #include "support/devices.h"
 #include "support/mover.h"
+#include "support/real.h"
 #include "support/trees.h"
 
+#include "runtime/narrowphase/narrow.h"
 #include "runtime/opencl/device_pair.h"
 
 // ---------------------------------------------------------------- truth
@@ -22,19 +24,14 @@ static double dot(const double a[3], const double b[3])
 
 static solid solid_of(const duet_pose *p, uint32_t dims)
 {
-    const float *q = p->rotation;
-    double x = dims == 3 ? q[0] : 0, y = dims == 3 ? q[1] : 0, z = q[2], w = q[3];
-    double norm = x * x + y * y + z * z + w * w;
-    const double axis[3][3] = {
-        {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
-        {2 * (x * y - w * z), w * w + y * y - x * x - z * z, 2 * (y * z + w * x)},
-        {2 * (x * z + w * y), 2 * (y * z - w * x), w * w + z * z - x * x - y * y}};
+    const duet_pose flat = narrow_flat(p, dims);
+    const block b = block_of(&flat);
     solid s;
-    for (uint32_t i = 0; i < 3; ++i) {
-        s.centre[i] = i < dims ? p->centre[i] : 0;
-        s.halves[i] = i < dims ? p->half_extents[i] : 0;
+    for (int i = 0; i < 3; ++i) {
+        s.centre[i] = (double)b.centre[i];
+        s.halves[i] = (double)b.half[i];
         for (int k = 0; k < 3; ++k)
-            s.axis[i][k] = axis[i][k] / norm;
+            s.axis[i][k] = (double)b.axis[i][k];
     }
     return s;
 }

@@ -84,8 +84,7 @@ TEST(a_box_against_a_stop_stays)
 {
     belt b = {.dims = 3, .friction = 0.5, .speed = 2, .dt = 1.0 / 60.0, .substeps = 4};
     mover *m = make(&b);
-    uint32_t stop = mover_add(m, 1.0, 0, 1, 0.5, 2, 1);
-    m->bodies[stop].mass = 0.0f;
+    mover_add_fixed(m, 1.0, 0, 1, 0.5, 2, 1);
     mover_run(m, 120);
     assert_close(m->states[1].centre[0], 0.0, 0.01);
     assert_close(m->states[1].velocity[0], 0.0, 1e-3);

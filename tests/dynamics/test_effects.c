@@ -336,21 +336,11 @@ static const struct {
 
 enum { N_WORDS = sizeof words / sizeof words[0] };
 
-static const char *const kernels[] = {"integrate_free_flight",
-                                      "fat_aabbs",
-                                      "contact_graph",
-                                      "match_contacts",
-                                      "build_manifolds",
-                                      "update_sleep",
-                                      "graph_colour",
-                                      "colour_contacts",
-                                      "prepare_contacts",
-                                      "bodies",
-                                      "solve_contacts",
-                                      "solve_substeps",
-                                      "integrate_positions",
-                                      "contact_events",
-                                      "awake"};
+static const char *const kernels[] = {
+    "integrate_free_flight", "fat_aabbs",      "contact_graph",  "match_contacts",
+    "build_manifolds",       "update_sleep",   "graph_colour",   "colour_contacts",
+    "prepare_contacts",      "bodies",         "solve_contacts", "solve_substeps",
+    "integrate_positions",   "contact_events", "awake"};
 
 enum { N_KERNELS = sizeof kernels / sizeof kernels[0] };
 
@@ -707,14 +697,6 @@ TEST(pairs_are_searched_seldom_for_what_fell_off_the_floor)
         fail_msg("%u searches in 600 steps", searches);
 }
 
-static bool has_stage(const mover *m, const char *name)
-{
-    for (uint32_t i = 0; i < m->last.n_stages; ++i)
-        if (strcmp(m->last.stages[i].name, name) == 0)
-            return true;
-    return false;
-}
-
 // The cubes fly past each other so fast that each step searches pairs. The second one comes near
 // later on.
 TEST(rows_without_contacts_are_made_once)
@@ -729,9 +711,9 @@ TEST(rows_without_contacts_are_made_once)
     for (int step = 0; step < 80; ++step) {
         mover_run(m, 1);
         assert_true(m->last.rebuilt);
-        left_out += !has_stage(m, "contact_graph");
+        left_out += !mover_has_stage(m, "contact_graph");
         most_pairs = m->last.pairs > most_pairs ? m->last.pairs : most_pairs;
-        assert_true(has_stage(m, "contact_graph") || m->last.pairs == 0);
+        assert_true(mover_has_stage(m, "contact_graph") || m->last.pairs == 0);
     }
     assert_int_equal(most_pairs, 1);
     assert_true(left_out > 50);

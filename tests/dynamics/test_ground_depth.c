@@ -4,6 +4,7 @@
 // cutting triangles or by steps from one convex set to the other, and what all contacts of a body
 // ask for together by Hildreth's method.
 #include "support/ground.h"
+#include "support/real.h"
 #include "support/shape.h"
 #include "support/test.h"
 
@@ -42,15 +43,14 @@ typedef struct box {
 static box box_of(const mover *m, uint32_t id)
 {
     const duet_pose *p = &m->poses[id];
-    const double x = (double)p->rotation[0], y = (double)p->rotation[1];
-    const double z = (double)p->rotation[2], w = (double)p->rotation[3];
+    real axis[3][3];
     box b = {.centre = {(double)p->centre[0], (double)p->centre[1], (double)p->centre[2]},
              .radius = (double)m->bodies[id].radius};
-    b.axis[0] = unit((vector){1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)});
-    b.axis[1] = unit((vector){2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)});
-    b.axis[2] = unit((vector){2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)});
-    for (int k = 0; k < 3; ++k)
+    real_axes(axis, p->rotation);
+    for (int k = 0; k < 3; ++k) {
+        b.axis[k] = (vector){(double)axis[k][0], (double)axis[k][1], (double)axis[k][2]};
         b.half[k] = (double)p->half_extents[k];
+    }
     return b;
 }
 

@@ -29,7 +29,7 @@ TEST(a_resting_face_stays_a_face_under_noise)
         mover *m = mover_new(3);
         m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
         m->def.gravity[2] = -10;
-        m->bodies[mover_add(m, 0, 0, -1, 5, 5, 1)].mass = 0;
+        mover_add_fixed(m, 0, 0, -1, 5, 5, 1);
         uint32_t box = mover_add_cube(m, 0, 0, 0.5, 1);
         float q[4] = {(float)noise, (float)-noise, (float)noise, 1};
         memcpy(m->poses[box].rotation, q, sizeof q);
@@ -56,8 +56,7 @@ static mover *resting_boxes(rng *r)
     for (int i = 0; i < RESTING; ++i) {
         double x = 10 * (i % 10), y = 10 * (i / 10 % 10), z = 10 * (i / 100);
         double below = rng_between(r, 0.3, 1.5), above = rng_between(r, 0.3, 1.5);
-        uint32_t floor = mover_add(m, x, y, z, below, rng_between(r, 0.3, 1.5), 0.5);
-        m->bodies[floor].mass = 0;
+        uint32_t floor = mover_add_fixed(m, x, y, z, below, rng_between(r, 0.3, 1.5), 0.5);
         uint32_t box =
             mover_add(m, x + rng_between(r, -1, 1) * below, y + rng_between(r, -0.3, 0.3),
                       z + 1 - 1e-3, above, rng_between(r, 0.3, 1.5), 0.5);
@@ -116,8 +115,7 @@ static mover *lying_boxes(rng *r)
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     for (int i = 0; i < RESTING; ++i) {
         double x = 10 * (i % 10), y = 10 * (i / 10 % 10), z = 10 * (i / 100);
-        uint32_t floor = mover_add(m, x, y, z, 1, 1, 0.5);
-        m->bodies[floor].mass = 0;
+        mover_add_fixed(m, x, y, z, 1, 1, 0.5);
         uint32_t box = mover_add(m, x + rng_between(r, -1.2, 1.2), y + rng_between(r, -0.5, 0.5),
                                  z + 0.99, 0.5, 0.5, 0.5);
         mover_turn(m, box, rng_between(r, -0.004, 0.004), rng_between(r, -0.004, 0.004), 1,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Bodies on a ground of triangles, against heights, boxes, closed forms and all triangles in
 // double.
-#include "support/ground.h"
-#include "support/shape.h"
+#include "support/field.h"
+#include "support/real.h"
 #include "support/test.h"
 #include "support/trees.h"
 
@@ -35,9 +35,7 @@ static shape *loosened(const shape *s, rng *r)
 
 static mover *on_mesh(const shape *s)
 {
-    mover *m = ground_mover();
-    m->def.mesh = s ? &s->mesh : NULL;
-    return m;
+    return ground_mover(NULL, s ? &s->mesh : NULL);
 }
 
 // ---------------------------------------------------------------- level
@@ -81,7 +79,7 @@ TEST(a_level_mesh_of_any_triangles_holds_as_a_box)
         mover *m = on_mesh(k == 0 ? s : k == 1 ? loose : NULL);
         ground_add_falling(m);
         if (k == 2)
-            m->bodies[mover_add(m, 0, 0, -1, 10, 10, 1)].mass = 0;
+            mover_add_fixed(m, 0, 0, -1, 10, 10, 1);
         mover_run(m, 300);
         ground_assert_rest(m);
         mover_free(m);
@@ -106,29 +104,6 @@ TEST(nothing_trips_over_a_seam_of_a_mesh)
 }
 
 // ---------------------------------------------------------------- beside heights
-
-typedef struct field {
-    duet_heights heights;
-    float values[65 * 65];
-    shape *triangles;
-} field;
-
-// A grid of heights, and the same as a mesh.
-static field *field_new(uint32_t n, double spacing, double (*height)(double x, double y))
-{
-    field *f = test_alloc(sizeof *f);
-    double half = (n - 1) * spacing / 2;
-    f->triangles = shape_new();
-    shape_grid(f->triangles, n, spacing, height);
-    for (uint32_t i = 0; i < n * n; ++i)
-        f->values[i] = f->triangles->vertices[3 * i + 2];
-    f->heights = (duet_heights){.nx = n,
-                                .ny = n,
-                                .origin = {-half, -half, 0},
-                                .spacing = {spacing, spacing},
-                                .heights = f->values};
-    return f;
-}
 
 // The contact of a body with that direction; NULL: none.
 static const duet_contact *same_contact(const duet_contact *list, uint64_t n,
@@ -189,37 +164,18 @@ static uint32_t compare_contacts(mover *m, mover *truth)
     return compared;
 }
 
-// How high the ground is at a place within the grid.
-static double height_at(const field *f, double x, double y)
-{
-    const duet_heights *h = &f->heights;
-    double u = (x - h->origin[0]) / h->spacing[0], v = (y - h->origin[1]) / h->spacing[1];
-    uint32_t i = (uint32_t)u, j = (uint32_t)v;
-    const float *at = h->heights + j * h->nx + i;
-    double a = (double)at[0], b = (double)at[1], c = (double)at[h->nx], d = (double)at[h->nx + 1];
-    u -= i;
-    v -= j;
-    return u >= v ? a + u * (b - a) + v * (d - b) : a + v * (c - a) + u * (d - c);
-}
-
 // The least height of points of a body's faces above the ground below them, less its radius.
 static double least_height(const field *f, const duet_pose *p)
 {
-    const double x = (double)p->rotation[0], y = (double)p->rotation[1];
-    const double z = (double)p->rotation[2], w = (double)p->rotation[3];
-    const double axis[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-                               {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-                               {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+    const block b = block_of(p);
     double least = INFINITY;
     for (int i = 0; i < 5 * 5 * 5; ++i) {
-        double at[3];
-        for (int k = 0; k < 3; ++k)
-            at[k] = (double)p->centre[k];
         const int along[3] = {i % 5 - 2, i / 5 % 5 - 2, i / 25 - 2};
+        real at[3] = {b.centre[0], b.centre[1], b.centre[2]};
         for (int a = 0; a < 3; ++a)
             for (int k = 0; k < 3; ++k)
-                at[k] += 0.5 * along[a] * (double)p->half_extents[a] * axis[a][k];
-        least = fmin(least, at[2] - height_at(f, at[0], at[1]));
+                at[k] += 0.5L * along[a] * b.half[a] * b.axis[a][k];
+        least = fmin(least, field_above(f, (double)at[0], (double)at[1], (double)at[2]));
     }
     return least;
 }
@@ -258,22 +214,6 @@ TEST(contacts_are_those_of_heights)
 
 // ---------------------------------------------------------------- all triangles, in double
 
-static vector corner_at(const shape *s, uint32_t triangle, int k)
-{
-    const float *v = s->vertices + 3 * s->triangles[3 * triangle + k];
-    return (vector){(double)v[0], (double)v[1], (double)v[2]};
-}
-
-static double distance_to_mesh(const shape *s, vector p)
-{
-    double least = INFINITY;
-    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
-        const vector t[3] = {corner_at(s, i, 0), corner_at(s, i, 1), corner_at(s, i, 2)};
-        least = fmin(least, triangle_distance(p, t));
-    }
-    return least;
-}
-
 // A star about a place: a ball whose places are pulled and pushed along its radii.
 static void add_star(shape *s, rng *r, vector at, double radius, uint32_t n)
 {
@@ -294,12 +234,10 @@ static void add_star(shape *s, rng *r, vector at, double radius, uint32_t n)
     }
 }
 
-// Balls outside of stars, whose triangles look in all directions. Contacts end by a slack before
-// the margin.
+// Balls outside of stars, whose triangles look in all directions.
 TEST(balls_are_as_far_from_a_mesh_as_from_all_its_triangles)
 {
     rng r = rng_seed(test_seed());
-    double *least = test_alloc(MOVER_MOST * sizeof *least);
     uint32_t touching = 0;
     for (int round = 0; round < 4; ++round) {
         shape *star = shape_new();
@@ -307,8 +245,6 @@ TEST(balls_are_as_far_from_a_mesh_as_from_all_its_triangles)
             add_star(star, &r, (vector){2.8 * i - 2.8, 0, 0.5}, 1, 4 + 4 * (uint32_t)round);
         shape *loose = loosened(star, &r);
         mover *m = on_mesh(round % 2 ? star : loose);
-        m->def.wants = DUET_EFFECT_CONTACT | DUET_EFFECT_RADIUS;
-        m->def.slop = 0.02;
         m->def.gravity[2] = 0;
         m->def.doubles = round == 3;
         while (m->n < 1000) {
@@ -320,17 +256,7 @@ TEST(balls_are_as_far_from_a_mesh_as_from_all_its_triangles)
             uint32_t id = mover_add(m, at.x, at.y, at.z, 0, 0, 0);
             m->bodies[id].radius = (float)rng_between(&r, 0.05, 0.4);
         }
-        ground_least_separations(m, least);
-        for (uint32_t id = 0; id < m->n; ++id) {
-            const float *c = m->poses[id].centre;
-            double expected =
-                distance_to_mesh(star, (vector){(double)c[0], (double)c[1], (double)c[2]}) -
-                (double)m->bodies[id].radius;
-            touching += least[id] < INFINITY;
-            if (expected < 0.0799 || least[id] < INFINITY)
-                if (!(fabs(least[id] - expected) < 0x1p-16))
-                    fail_msg("round %d, ball %u: %g apart, not %g", round, id, least[id], expected);
-        }
+        touching += field_assert_ball_depths(star, m);
         mover_free(m);
     }
     assert_true(touching > 200);
@@ -396,23 +322,9 @@ TEST(a_step_of_triangles_is_one_of_boxes)
 // thick.
 TEST(nothing_falls_through_a_mesh)
 {
-    rng r = ground_drawn = rng_seed(test_seed());
+    ground_drawn = rng_seed(test_seed());
     field *f = field_new(65, 0.5, ground_rough);
-    mover *m = on_mesh(f->triangles);
-    for (int k = 0; k < 120; ++k)
-        ground_add_thrown(m, &r, k % GROUND_KINDS);
-    for (int i = 0; i < 60; ++i) {
-        mover_run(m, 5);
-        mover_assert_finite(m);
-        for (uint32_t id = 0; id < m->n; ++id) {
-            const double *c = m->states[id].centre;
-            bool over = fabs(c[0]) < 15.9 && fabs(c[1]) < 15.9;
-            double above = over ? c[2] - height_at(f, c[0], c[1]) : 0;
-            if (!(above > -0.05)) // it may be pushed so deep by what falls on it
-                fail_msg("kind %u is %g below the ground after %d steps", id % GROUND_KINDS, -above,
-                         5 * (i + 1));
-        }
-    }
+    field_assert_none_falls_through(f, on_mesh(f->triangles));
 }
 
 // A box of triangles that look inward: nothing leaves it.
@@ -543,10 +455,9 @@ TEST(what_is_pressed_into_rough_ground_comes_out)
         mover_run(m, 120);
         for (uint32_t id = 0; id < 16; ++id) {
             const double *c = m->states[id].centre;
-            bool over = fabs(c[0]) < 12.7 && fabs(c[1]) < 12.7;
-            if (over && !(c[2] - height_at(f, c[0], c[1]) > -0.1))
-                fail_msg("kind %u is %g below the ground", id % GROUND_KINDS,
-                         height_at(f, c[0], c[1]) - c[2]);
+            double above = field_above(f, c[0], c[1], c[2]);
+            if (!(above > -0.1))
+                fail_msg("kind %u is %g below the ground", id % GROUND_KINDS, -above);
         }
         mover_free(m);
     }
@@ -589,12 +500,7 @@ TEST(any_share_and_any_skin_give_the_same_bits)
 {
     ground_drawn = rng_seed(3);
     field *f = field_new(65, 0.5, ground_rough);
-    uint64_t expected = ground_hash(on_mesh(f->triangles), 0, 0, false);
-    assert_int_equal(ground_hash(on_mesh(f->triangles), DUET_SHARE_ONE / 2, 0, false), expected);
-    assert_int_equal(ground_hash(on_mesh(f->triangles), DUET_SHARE_ONE, 0.1, false), expected);
-    assert_int_equal(ground_hash(on_mesh(f->triangles), 0, 0.3, false), expected);
-    assert_int_equal(ground_hash(on_mesh(f->triangles), 0, 0.3, true),
-                     ground_hash(on_mesh(f->triangles), DUET_SHARE_ONE / 3, 0.05, true));
+    ground_assert_same_bits(NULL, &f->triangles->mesh);
 }
 
 // Loads into the motion itself, and into one whose mesh is another until then.
@@ -684,14 +590,6 @@ TEST(a_mesh_is_one_partner_and_may_have_a_material)
 
 // ---------------------------------------------------------------- hostile meshes
 
-static void refuse(const mover *m, const shape *s, const char *says)
-{
-    duet_motion_def def = m->def;
-    def.mesh = &s->mesh;
-    must_fail(duet_motion_create(&def, m->poses, m->bodies, m->n, ERR), DUET_STATUS_BAD_ARGUMENT,
-              says);
-}
-
 TEST(meshes_that_no_motion_can_have_are_refused_in_a_line)
 {
     shape *s = shape_new();
@@ -704,39 +602,45 @@ TEST(meshes_that_no_motion_can_have_are_refused_in_a_line)
     for (int i = 0; i < 3; ++i) {
         s->mesh.n_vertices = counts[i][0];
         s->mesh.n_triangles = counts[i][1];
-        refuse(m, s, "triangles; expected 1 to 16777216 triangles");
+        ground_assert_refused(m, m->def.heights, &s->mesh,
+                              "triangles; expected 1 to 16777216 triangles");
         s->mesh = right;
     }
     s->mesh.vertices = NULL;
-    refuse(m, s, "the mesh's vertices are NULL");
+    ground_assert_refused(m, m->def.heights, &s->mesh, "the mesh's vertices are NULL");
     s->mesh = right;
     s->mesh.origin[1] = NAN;
-    refuse(m, s, "y of the mesh's origin is nan");
+    ground_assert_refused(m, m->def.heights, &s->mesh, "y of the mesh's origin is nan");
     s->mesh = right;
     static const float wrong[] = {NAN, INFINITY, 2e12f};
     for (int i = 0; i < 3; ++i) {
         float kept = s->vertices[7];
         s->vertices[7] = wrong[i];
-        refuse(m, s, "vertex 2 of the mesh: a coordinate is not a number from -1e12 to 1e12");
+        ground_assert_refused(
+            m, m->def.heights, &s->mesh,
+            "vertex 2 of the mesh: a coordinate is not a number from -1e12 to 1e12");
         s->vertices[7] = kept;
     }
     s->triangles[5] = 9;
-    refuse(m, s, "triangle 1 of the mesh has the vertex 9; expected one of 9 vertices");
+    ground_assert_refused(m, m->def.heights, &s->mesh,
+                          "triangle 1 of the mesh has the vertex 9; expected one of 9 vertices");
     s->triangles[5] = s->triangles[4];
-    refuse(m, s, "triangle 1 of the mesh: two corners are less than 1e-9 apart");
+    ground_assert_refused(m, m->def.heights, &s->mesh,
+                          "triangle 1 of the mesh: two corners are less than 1e-9 apart");
     s->triangles[3] = 0;
     s->triangles[4] = 1;
     s->triangles[5] = 2;
-    refuse(m, s, "triangle 1 of the mesh: the corners lie on a line");
+    ground_assert_refused(m, m->def.heights, &s->mesh,
+                          "triangle 1 of the mesh: the corners lie on a line");
     s->triangles[5] = 4;
     m->def.heights = &f->heights;
-    refuse(m, s, "heights and a mesh; expected one ground");
+    ground_assert_refused(m, m->def.heights, &s->mesh, "heights and a mesh; expected one ground");
     m->def.heights = NULL;
     s->mesh.material = 1;
-    refuse(m, s, "the ground's material is 1");
+    ground_assert_refused(m, m->def.heights, &s->mesh, "the ground's material is 1");
     s->mesh.material = 0;
     m->def.dims = 2;
-    refuse(m, s, "heights and meshes are for motions in 3D");
+    ground_assert_refused(m, m->def.heights, &s->mesh, "heights and meshes are for motions in 3D");
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)

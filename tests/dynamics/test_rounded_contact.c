@@ -195,14 +195,6 @@ static duet_contact contact_of(duet_rounded_box a, duet_rounded_box b, float mar
     return c;
 }
 
-static duet_rounded_box round_at(double x, double y, double z, double hx, double hy, double hz,
-                                 double radius)
-{
-    return (duet_rounded_box){
-        {{(float)x, (float)y, (float)z}, {(float)hx, (float)hy, (float)hz}, {0, 0, 0, 1}},
-        (float)radius};
-}
-
 static void assert_vector(const float v[3], double x, double y, double z)
 {
     assert_close(v[0], x, 1e-5);
@@ -213,38 +205,41 @@ static void assert_vector(const float v[3], double x, double y, double z)
 TEST(closed_forms_hold)
 {
     // Two spheres 3 4 0 apart, 5 away from each other.
-    duet_contact c = contact_of(round_at(0, 0, 0, 0, 0, 0, 2), round_at(3, 4, 0, 0, 0, 0, 4), 0);
+    duet_contact c =
+        contact_of(rounded_at(0, 0, 0, 0, 0, 0, 2), rounded_at(3, 4, 0, 0, 0, 0, 4), 0);
     assert_true(c.n == 1);
     assert_vector(c.normal, 0.6, 0.8, 0);
     assert_close(c.points[0].separation, -1, 1e-5);
     assert_vector(c.points[0].anchor, 0.6 * 1.5, 0.8 * 1.5, 0);
     // A sphere above the face of a rounded plate, apart by less than the margin.
-    c = contact_of(round_at(0, 0, 0, 4, 0.5, 4, 0.25), round_at(1, 2, -1, 0, 0, 0, 1.125), 0.25f);
+    c = contact_of(rounded_at(0, 0, 0, 4, 0.5, 4, 0.25), rounded_at(1, 2, -1, 0, 0, 0, 1.125),
+                   0.25f);
     assert_true(c.n == 1);
     assert_vector(c.normal, 0, 1, 0);
     assert_close(c.points[0].separation, 0.125, 1e-5);
     assert_vector(c.points[0].anchor, 1, 0.8125, -1);
     // The same one off the plate's edge, and off its corner.
-    c = contact_of(round_at(0, 0, 0, 4, 0.5, 4, 0.25), round_at(4.6, 1.3, 0, 0, 0, 0, 1), 0);
+    c = contact_of(rounded_at(0, 0, 0, 4, 0.5, 4, 0.25), rounded_at(4.6, 1.3, 0, 0, 0, 0, 1), 0);
     assert_true(c.n == 1);
     assert_vector(c.normal, 0.6, 0.8, 0);
     assert_close(c.points[0].separation, -0.25, 1e-5);
-    c = contact_of(round_at(0, 0, 0, 1, 1, 1, 0.25), round_at(1.5, 1.5, 1.5, 0, 0, 0, 0.75), 0);
+    c = contact_of(rounded_at(0, 0, 0, 1, 1, 1, 0.25), rounded_at(1.5, 1.5, 1.5, 0, 0, 0, 0.75), 0);
     assert_true(c.n == 1);
     assert_vector(c.normal, sqrt(1.0 / 3), sqrt(1.0 / 3), sqrt(1.0 / 3));
     assert_close(c.points[0].separation, sqrt(0.75) - 1, 1e-5);
     // Capsules across each other, and side by side, which share 3 of their length.
-    c = contact_of(round_at(0, 0, 0, 3, 0, 0, 0.5), round_at(1, 0.75, 2, 0, 0, 3, 0.5), 0);
+    c = contact_of(rounded_at(0, 0, 0, 3, 0, 0, 0.5), rounded_at(1, 0.75, 2, 0, 0, 3, 0.5), 0);
     assert_true(c.n == 1);
     assert_vector(c.normal, 0, 1, 0);
     assert_vector(c.points[0].anchor, 1, 0.375, 0);
-    c = contact_of(round_at(0, 0, 0, 2, 0, 0, 0.5), round_at(1, 0.75, 0, 2, 0, 0, 0.5), 0);
+    c = contact_of(rounded_at(0, 0, 0, 2, 0, 0, 0.5), rounded_at(1, 0.75, 0, 2, 0, 0, 0.5), 0);
     assert_true(c.n == 2);
     assert_vector(c.normal, 0, 1, 0);
     assert_close(c.points[0].separation, -0.25, 1e-5);
     assert_close(fabs(c.points[0].anchor[0] - c.points[1].anchor[0]), 3, 1e-5);
     // A rounded cube on a plate has its core's four corners.
-    c = contact_of(round_at(0, 0, 0, 4, 0.5, 4, 0), round_at(0, 1.5, 0, 0.5, 0.5, 0.5, 0.625), 0);
+    c = contact_of(rounded_at(0, 0, 0, 4, 0.5, 4, 0), rounded_at(0, 1.5, 0, 0.5, 0.5, 0.5, 0.625),
+                   0);
     assert_true(c.n == 4);
     for (int k = 0; k < 4; ++k) {
         assert_close(c.points[k].separation, -0.125, 1e-5);
@@ -290,49 +285,46 @@ TEST(shares_launches_and_order_change_no_bit)
     }
 }
 
-TEST(boxes_without_radii_have_the_contacts_of_poses)
+// Rounded boxes have the contacts of what else they are, by another share.
+static void assert_same_contacts(const duet_rounded_box *boxes, duet_shape shape,
+                                 duet_object_kind kind, const void *objects, float margin)
 {
     static duet_pair pairs[MOST_PAIRS];
+    uint64_t n = all_pairs(pairs);
+    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, margin);
+    duet_contact_query *other = open_contact_query(shape, 3, DUET_SHARE_ONE / 3, margin);
+    duet_contact_query_result a =
+        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
+    duet_contact_query_result b = find_contacts(other, kind, objects, BOXES, pairs, n);
+    assert_true(a.touching > BOXES / 4);
+    assert_memory_equal(a.contacts, b.contacts, (size_t)n * sizeof *a.contacts);
+}
+
+TEST(boxes_without_radii_have_the_contacts_of_poses)
+{
     duet_rounded_box boxes[BOXES];
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
     fill(&r, boxes, 3);
-    uint64_t n = all_pairs(pairs);
     for (uint32_t i = 0; i < BOXES; ++i) {
         boxes[i].radius = 0;
         poses[i] = boxes[i].pose;
     }
-    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0.05f);
-    duet_contact_query *plain = open_contact_query(DUET_SHAPE_POSES, 3, 0, 0.05f);
-    duet_contact_query_result one =
-        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
-    duet_contact_query_result other =
-        find_contacts(plain, DUET_OBJECT_POSES, poses, BOXES, pairs, n);
-    assert_true(one.touching > BOXES / 4);
-    assert_memory_equal(one.contacts, other.contacts, (size_t)n * sizeof *one.contacts);
+    assert_same_contacts(boxes, DUET_SHAPE_POSES, DUET_OBJECT_POSES, poses, 0.05f);
 }
 
 TEST(spheres_have_the_contacts_of_rounded_boxes)
 {
-    static duet_pair pairs[MOST_PAIRS];
     duet_rounded_box boxes[BOXES];
     duet_sphere spheres[BOXES];
     rng r = rng_seed(test_seed());
     fill(&r, boxes, 3);
-    uint64_t n = all_pairs(pairs);
     for (uint32_t i = 0; i < BOXES; ++i) {
         memcpy(spheres[i].centre, boxes[i].pose.centre, sizeof spheres[i].centre);
         spheres[i].radius = boxes[i].radius * 2;
         boxes[i] = rounded_of_sphere(&spheres[i]);
     }
-    duet_contact_query *rounded = open_contact_query(DUET_SHAPE_ROUNDED_BOXES, 3, 0, 0);
-    duet_contact_query *round = open_contact_query(DUET_SHAPE_SPHERES, 3, DUET_SHARE_ONE / 3, 0);
-    duet_contact_query_result one =
-        find_contacts(rounded, DUET_OBJECT_ROUNDED_BOXES, boxes, BOXES, pairs, n);
-    duet_contact_query_result other =
-        find_contacts(round, DUET_OBJECT_SPHERES, spheres, BOXES, pairs, n);
-    assert_true(one.touching > BOXES / 4);
-    assert_memory_equal(one.contacts, other.contacts, (size_t)n * sizeof *one.contacts);
+    assert_same_contacts(boxes, DUET_SHAPE_SPHERES, DUET_OBJECT_SPHERES, spheres, 0);
 }
 
 // A motion keeps points up to four slops.
@@ -388,7 +380,7 @@ TEST(a_motion_has_the_same_contacts)
 TEST(what_is_no_object_of_the_shape_is_refused)
 {
     duet_contact_query_result result;
-    duet_rounded_box boxes[2] = {round_at(0, 0, 0, 1, 1, 1, 1), round_at(1, 0, 0, 1, 1, 1, -1)};
+    duet_rounded_box boxes[2] = {rounded_at(0, 0, 0, 1, 1, 1, 1), rounded_at(1, 0, 0, 1, 1, 1, -1)};
     const duet_sphere spheres[2] = {{{0, 0, 0}, 1}, {{1, NAN, 0}, 1}};
     const duet_pair pair = {0, 1};
     const duet_span spans[2] = {{&pair, 1}, {NULL, 0}};

@@ -273,8 +273,7 @@ TEST(fast_balls_meet_what_is_in_their_way)
     for (int misses = 0; misses < 2; ++misses) {
         mover *m = mover_new(3);
         m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-        uint32_t wall = mover_add(m, 10, 0, 0, 0.02, 2, 2);
-        m->bodies[wall].mass = 0.0f;
+        mover_add_fixed(m, 10, 0, 0, 0.02, 2, 2);
         // past the wall's corner, within its bounds but not within the radius of it
         double aside = misses ? 2 + 0.1 * 0.8 : 0.3;
         uint32_t ball = add_ball(m, 0, aside, aside, 0.1);

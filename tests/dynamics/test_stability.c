@@ -258,8 +258,7 @@ static double speed_after_impact(double speed)
 {
     mover *m = mover_new(3);
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
-    uint32_t wall = mover_add(m, 2, 0, 0, 0.5, 2, 2);
-    m->bodies[wall].mass = 0.0f;
+    mover_add_fixed(m, 2, 0, 0, 0.5, 2, 2);
     uint32_t ball = mover_add_cube(m, 0, 0, 0, 1);
     m->bodies[ball].restitution = 0.5f;
     m->bodies[ball].fixed_rotation = true;

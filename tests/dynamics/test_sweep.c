@@ -76,8 +76,7 @@ TEST(a_rod_that_sweeps_stops_at_a_thin_wall)
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (int i = 0; i < 2 * RATES; ++i) {
             mover *m = mover_new(dims);
-            uint32_t wall = mover_add(m, 0.505, 0, 0, 0.005, 5, 5);
-            m->bodies[wall].mass = 0.0f;
+            mover_add_fixed(m, 0.505, 0, 0, 0.005, 5, 5);
             double angle = rng_between(&r, -0.45, 0.45), bounce = i % 2 ? 0.9 : 0.0;
             uint32_t rod = add_rod(m, angle, rates[i / 2], bounce);
             outcome o = watch(m, rod, 0.5, 20);
@@ -116,8 +115,7 @@ TEST(a_bullet_out_of_line_does_not_pass_a_wall)
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 16; ++i) {
         mover *m = mover_new(3);
-        uint32_t wall = mover_add(m, 10, 0, 0, 0.05, 2000, 2000);
-        m->bodies[wall].mass = 0.0f;
+        mover_add_fixed(m, 10, 0, 0, 0.05, 2000, 2000);
         uint32_t cube = mover_add_cube(m, 0.013, 0, 0, 0.1);
         double x = rng_normal(&r), y = rng_normal(&r), z = rng_normal(&r);
         double angle = rng_between(&r, 0, 3.1);

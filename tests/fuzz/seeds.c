@@ -102,26 +102,6 @@ static void put_arrays(void)
 
 // ---------------------------------------------------------------- stores
 
-static void fill(store *s)
-{
-    duet_error err = {0};
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
-    const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
-    test_tune(s, &pair, &workload);
-    workload.level = "auto";
-    require(
-        profile_workload_put(s, &workload, &key.workload_id, &err) &&
-            profile_level_costs_put(s, &key, costs, 2, &err) &&
-            sql_script(s,
-                       "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
-                       "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
-                       "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
-                       &err),
-        &err);
-}
-
 // Small pages make a small file, of which a change hits more.
 static void put_store(const char *name, bool filled)
 {
@@ -130,8 +110,10 @@ static void put_store(const char *name, bool filled)
     remove(p.chars);
     store *s = store_open(p.chars, STORE_WRITE, &err);
     require(s, &err);
-    if (filled)
-        fill(s);
+    if (filled) {
+        test_tune_usual(s);
+        test_fill_out(s);
+    }
     place lines = place_of("import", filled ? "rows.jsonl" : "none.jsonl");
     require(profile_export_file(s, profile_export, lines.chars, &err), &err);
     store_close(s);

@@ -5,6 +5,7 @@
 #include "support/test.h"
 
 #include "support/hard_pairs.h"
+#include "support/real.h"
 
 #include "base/clock.h"
 #include "support/narrow_float.h"
@@ -24,14 +25,12 @@ typedef struct axes {
 
 static axes axes_of(const duet_pose *pose)
 {
-    double x = pose->rotation[0], y = pose->rotation[1], z = pose->rotation[2];
-    double w = pose->rotation[3];
-    double s = 2 / (x * x + y * y + z * z + w * w);
-    return (axes){{
-        {1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-        {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
-        {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)},
-    }};
+    real axis[3][3];
+    axes a;
+    real_axes(axis, pose->rotation);
+    for (int i = 0; i < 9; ++i)
+        a.at[i / 3][i % 3] = (double)axis[i / 3][i % 3];
+    return a;
 }
 
 static double dot(const double u[3], const double v[3])

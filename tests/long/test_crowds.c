@@ -47,8 +47,7 @@ TEST(none_of_65537_objects_in_a_cell_is_missed)
     uint64_t hash = duet_pairs_hash(pairs, n_pairs);
     for (int v = 0; v < 2; ++v) {
         duet_plan plan = *duet_world_get_plan(world);
-        strcpy(plan.variant_a, variants[v]);
-        strcpy(plan.variant_b, variants[v]);
+        set_variants(&plan, variants[v]);
         must(duet_world_set_plan(world, &plan, ERR));
         must(duet_world_step(world, &result, ERR));
         assert_true(result.cell >= 1);

@@ -61,8 +61,7 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
         duet_pair *pairs = NULL;
         uint64_t n = 0;
         duet_result result;
-        strcpy(def.plan.variant_a, variants[l % 2]);
-        strcpy(def.plan.variant_b, variants[l % 2]);
+        set_variants(&def.plan, variants[l % 2]);
         must(duet_reference(scene, (duet_level)l, &pairs, &n, ERR));
         must(duet_world_set_plan(world, &def.plan, ERR));
         must(duet_world_set_level(world, (duet_level)l, ERR));

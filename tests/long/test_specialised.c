@@ -38,10 +38,7 @@ static void fill(scene *s, rng *r)
 {
     for (uint32_t i = 0; i < OBJECTS; ++i) {
         s->poses[i] = random_pose(s, r);
-        for (int k = 0; k < 3; ++k) {
-            s->bounds[i].lower[k] = s->poses[i].centre[k] - s->poses[i].half_extents[k];
-            s->bounds[i].upper[k] = s->poses[i].centre[k] + s->poses[i].half_extents[k];
-        }
+        s->bounds[i] = bounds_of_upright(&s->poses[i]);
     }
 }
 
@@ -51,8 +48,7 @@ static uint64_t pairs_of(const scene *s, duet_world_def def, const char *words)
     duet_result result;
     def.pair = devices;
     def.plan = (duet_plan){.mode = DUET_MODE_OWN};
-    strcpy(def.plan.variant_a, words);
-    strcpy(def.plan.variant_b, words);
+    set_variants(&def.plan, words);
     duet_world *world = kept(duet_world_create(&def, ERR));
     must(def.shape == DUET_SHAPE_POSES
              ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, OBJECTS, ERR)

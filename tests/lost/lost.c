@@ -114,44 +114,46 @@ static int of_event(cl_event event)
     return of_queue(queue);
 }
 
+// A call with a code, of what it is told of, and one that makes something and tells a code.
+#define FAILS_OR(function, of, takes, passes)                        \
+    cl_int function takes                                            \
+    {                                                                \
+        REAL(function);                                              \
+        return fails(of, #function) ? (cl_int)FAILURE : real passes; \
+    }
+#define NULL_OR(type, function, of, takes, passes) \
+    type function takes                            \
+    {                                              \
+        REAL(function);                            \
+        if (!fails(of, #function))                 \
+            return real passes;                    \
+        *code = FAILURE;                           \
+        return NULL;                               \
+    }
+
 // ------------------------------------------------------------ commands
 
-cl_int clEnqueueNDRangeKernel(cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset,
-                              const size_t *global, const size_t *local, cl_uint n,
-                              const cl_event *wait, cl_event *event)
-{
-    REAL(clEnqueueNDRangeKernel);
-    return fails(of_queue(q), __func__) ? FAILURE
-                                        : real(q, k, dims, offset, global, local, n, wait, event);
-}
-
-cl_int clEnqueueWriteBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at,
-                            size_t bytes, const void *from, cl_uint n, const cl_event *wait,
-                            cl_event *event)
-{
-    REAL(clEnqueueWriteBuffer);
-    return fails(of_queue(q), __func__) ? FAILURE
-                                        : real(q, mem, blocking, at, bytes, from, n, wait, event);
-}
-
-cl_int clEnqueueReadBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at,
-                           size_t bytes, void *to, cl_uint n, const cl_event *wait, cl_event *event)
-{
-    REAL(clEnqueueReadBuffer);
-    return fails(of_queue(q), __func__) ? FAILURE
-                                        : real(q, mem, blocking, at, bytes, to, n, wait, event);
-}
-
-void *clEnqueueMapBuffer(cl_command_queue q, cl_mem mem, cl_bool blocking, cl_map_flags flags,
-                         size_t at, size_t bytes, cl_uint n, const cl_event *wait, cl_event *event,
-                         cl_int *code)
-{
-    REAL(clEnqueueMapBuffer);
-    if (!fails(of_queue(q), __func__))
-        return real(q, mem, blocking, flags, at, bytes, n, wait, event, code);
-    *code = FAILURE;
-    return NULL;
-}
+FAILS_OR(clEnqueueNDRangeKernel, of_queue(q),
+         (cl_command_queue q, cl_kernel k, cl_uint dims, const size_t *offset, const size_t *global,
+          const size_t *local, cl_uint n, const cl_event *wait, cl_event *event),
+         (q, k, dims, offset, global, local, n, wait, event))
+FAILS_OR(clEnqueueWriteBuffer, of_queue(q),
+         (cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at, size_t bytes,
+          const void *from, cl_uint n, const cl_event *wait, cl_event *event),
+         (q, mem, blocking, at, bytes, from, n, wait, event))
+FAILS_OR(clEnqueueReadBuffer, of_queue(q),
+         (cl_command_queue q, cl_mem mem, cl_bool blocking, size_t at, size_t bytes, void *to,
+          cl_uint n, const cl_event *wait, cl_event *event),
+         (q, mem, blocking, at, bytes, to, n, wait, event))
+NULL_OR(void *, clEnqueueMapBuffer, of_queue(q),
+        (cl_command_queue q, cl_mem mem, cl_bool blocking, cl_map_flags flags, size_t at,
+         size_t bytes, cl_uint n, const cl_event *wait, cl_event *event, cl_int *code),
+        (q, mem, blocking, flags, at, bytes, n, wait, event, code))
+FAILS_OR(clEnqueueFillBuffer, of_queue(q),
+         (cl_command_queue q, cl_mem mem, const void *pattern, size_t size, size_t at, size_t bytes,
+          cl_uint n, const cl_event *wait, cl_event *event),
+         (q, mem, pattern, size, at, bytes, n, wait, event))
+FAILS_OR(clFlush, of_queue(q), (cl_command_queue q), (q))
 
 cl_int clEnqueueUnmapMemObject(cl_command_queue q, cl_mem mem, void *at, cl_uint n,
                                const cl_event *wait, cl_event *event)
@@ -160,21 +162,6 @@ cl_int clEnqueueUnmapMemObject(cl_command_queue q, cl_mem mem, void *at, cl_uint
     cl_int code = real(q, mem, at, n, wait, event);
     atomic_fetch_add(&n_wrong_unmaps, code == CL_INVALID_VALUE);
     return fails(of_queue(q), __func__) ? FAILURE : code;
-}
-
-cl_int clEnqueueFillBuffer(cl_command_queue q, cl_mem mem, const void *pattern, size_t size,
-                           size_t at, size_t bytes, cl_uint n, const cl_event *wait,
-                           cl_event *event)
-{
-    REAL(clEnqueueFillBuffer);
-    return fails(of_queue(q), __func__) ? FAILURE
-                                        : real(q, mem, pattern, size, at, bytes, n, wait, event);
-}
-
-cl_int clFlush(cl_command_queue q)
-{
-    REAL(clFlush);
-    return fails(of_queue(q), __func__) ? FAILURE : real(q);
 }
 
 cl_int clFinish(cl_command_queue q)
@@ -197,94 +184,39 @@ cl_int clGetEventInfo(cl_event event, cl_event_info what, size_t size, void *val
     return !again && fails(of_event(event), __func__) ? FAILURE : real(event, what, size, value, n);
 }
 
-cl_int clGetEventProfilingInfo(cl_event event, cl_profiling_info what, size_t size, void *value,
-                               size_t *n)
-{
-    REAL(clGetEventProfilingInfo);
-    return fails(of_event(event), __func__) ? FAILURE : real(event, what, size, value, n);
-}
+FAILS_OR(clGetEventProfilingInfo, of_event(event),
+         (cl_event event, cl_profiling_info what, size_t size, void *value, size_t *n),
+         (event, what, size, value, n))
 
 // ------------------------------------------------------------ objects
 
-cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t bytes, void *host,
-                      cl_int *code)
-{
-    REAL(clCreateBuffer);
-    if (!fails(of_context(context), __func__))
-        return real(context, flags, bytes, host, code);
-    *code = FAILURE;
-    return NULL;
-}
-
-cl_program clCreateProgramWithSource(cl_context context, cl_uint n, const char **texts,
-                                     const size_t *lengths, cl_int *code)
-{
-    REAL(clCreateProgramWithSource);
-    if (!fails(of_context(context), __func__))
-        return real(context, n, texts, lengths, code);
-    *code = FAILURE;
-    return NULL;
-}
-
-cl_program clCreateProgramWithBinary(cl_context context, cl_uint n, const cl_device_id *ids,
-                                     const size_t *lengths, const unsigned char **binaries,
-                                     cl_int *states, cl_int *code)
-{
-    REAL(clCreateProgramWithBinary);
-    if (!fails(of_context(context), __func__))
-        return real(context, n, ids, lengths, binaries, states, code);
-    *code = FAILURE;
-    return NULL;
-}
-
-cl_int clBuildProgram(cl_program program, cl_uint n, const cl_device_id *ids, const char *options,
-                      void(CL_CALLBACK *notify)(cl_program, void *), void *data)
-{
-    REAL(clBuildProgram);
-    return fails(of_program(program), __func__) ? FAILURE
-                                                : real(program, n, ids, options, notify, data);
-}
-
-cl_kernel clCreateKernel(cl_program program, const char *name, cl_int *code)
-{
-    REAL(clCreateKernel);
-    if (!fails(of_program(program), __func__))
-        return real(program, name, code);
-    *code = FAILURE;
-    return NULL;
-}
-
-cl_int clSetKernelArg(cl_kernel kernel, cl_uint i, size_t size, const void *value)
-{
-    REAL(clSetKernelArg);
-    return fails(of_kernel(kernel), __func__) ? FAILURE : real(kernel, i, size, value);
-}
-
-cl_context clCreateContext(const cl_context_properties *properties, cl_uint n,
-                           const cl_device_id *ids,
-                           void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *),
-                           void *data, cl_int *code)
-{
-    REAL(clCreateContext);
-    if (!fails(-1, __func__))
-        return real(properties, n, ids, notify, data, code);
-    *code = FAILURE;
-    return NULL;
-}
-
-cl_command_queue clCreateCommandQueue(cl_context context, cl_device_id id,
-                                      cl_command_queue_properties properties, cl_int *code)
-{
-    REAL(clCreateCommandQueue);
-    if (!fails(of_context(context), __func__))
-        return real(context, id, properties, code);
-    *code = FAILURE;
-    return NULL;
-}
-
-cl_int clCreateSubDevices(cl_device_id id, const cl_device_partition_property *cuts, cl_uint n,
-                          cl_device_id *parts, cl_uint *n_parts)
-{
-    REAL(clCreateSubDevices);
-    return fails(-1, __func__) ? FAILURE : real(id, cuts, n, parts, n_parts);
-}
+NULL_OR(cl_mem, clCreateBuffer, of_context(context),
+        (cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *code),
+        (context, flags, bytes, host, code))
+NULL_OR(cl_program, clCreateProgramWithSource, of_context(context),
+        (cl_context context, cl_uint n, const char **texts, const size_t *lengths, cl_int *code),
+        (context, n, texts, lengths, code))
+NULL_OR(cl_program, clCreateProgramWithBinary, of_context(context),
+        (cl_context context, cl_uint n, const cl_device_id *ids, const size_t *lengths,
+         const unsigned char **binaries, cl_int *states, cl_int *code),
+        (context, n, ids, lengths, binaries, states, code))
+FAILS_OR(clBuildProgram, of_program(program),
+         (cl_program program, cl_uint n, const cl_device_id *ids, const char *options,
+          void(CL_CALLBACK *notify)(cl_program, void *), void *data),
+         (program, n, ids, options, notify, data))
+NULL_OR(cl_kernel, clCreateKernel, of_program(program),
+        (cl_program program, const char *name, cl_int *code), (program, name, code))
+FAILS_OR(clSetKernelArg, of_kernel(kernel),
+         (cl_kernel kernel, cl_uint i, size_t size, const void *value), (kernel, i, size, value))
+NULL_OR(cl_context, clCreateContext, -1,
+        (const cl_context_properties *properties, cl_uint n, const cl_device_id *ids,
+         void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *), void *data,
+         cl_int *code),
+        (properties, n, ids, notify, data, code))
+NULL_OR(cl_command_queue, clCreateCommandQueue, of_context(context),
+        (cl_context context, cl_device_id id, cl_command_queue_properties properties, cl_int *code),
+        (context, id, properties, code))
+FAILS_OR(clCreateSubDevices, -1,
+         (cl_device_id id, const cl_device_partition_property *cuts, cl_uint n, cl_device_id *parts,
+          cl_uint *n_parts),
+         (id, cuts, n, parts, n_parts))

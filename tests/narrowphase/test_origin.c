@@ -197,8 +197,7 @@ static uint64_t check_cloud(const double at[3])
     for (int i = 0; i < 3; ++i) {
         duet_result result;
         def.plan.mode = ways[i].mode;
-        strcpy(def.plan.variant_a, ways[i].variant);
-        strcpy(def.plan.variant_b, ways[i].variant);
+        set_variants(&def.plan, ways[i].variant);
         assert_true(step_hash(world, &def.plan, &result) == hash);
         assert_true(i == 0 || result.candidates == candidates);
         candidates = result.candidates;

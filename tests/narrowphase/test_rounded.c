@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Rounded boxes against truths made in other ways: whole numbers, an enumeration of the faces
 // that two nearest points lie on, and cases that touch exactly.
+#include "support/devices.h"
+#include "support/real.h"
 #include "support/test.h"
 
 #include "runtime/narrowphase/level.h"
@@ -31,8 +33,7 @@ static duet_rounded_box whole_box(rng *r, int extents)
         b.pose.half_extents[k] = k < extents ? (float)rng_below(r, 6) : 0.0f;
     }
     if (extents == 0) // a box without extents may be turned
-        for (int k = 0; k < 4; ++k)
-            b.pose.rotation[k] = (float)rng_normal(r);
+        turn_at_random(&b.pose, r);
     return b;
 }
 
@@ -81,25 +82,11 @@ TEST(whole_numbers_are_decided_exactly)
 
 // ------------------------------------------------------------ distances
 
-typedef long double wide;
-
-static void wide_axes(wide axis[3][3], const float q[4])
-{
-    wide x = q[0], y = q[1], z = q[2], w = q[3], n = x * x + y * y + z * z + w * w;
-    const wide rows[3][3] = {
-        {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
-        {2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)},
-        {2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}};
-    for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k)
-            axis[i][k] = rows[i][k] / n;
-}
-
 // Least squares of `from` + the free columns, by Gauss's elimination of the normal equations.
 // False where they are not independent.
-static bool solve(int n, wide column[6][3], const wide from[3], wide value[6])
+static bool solve(int n, real column[6][3], const real from[3], real value[6])
 {
-    wide m[6][7];
+    real m[6][7];
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j)
             m[i][j] = column[i][0] * column[j][0] + column[i][1] * column[j][1] +
@@ -113,12 +100,12 @@ static bool solve(int n, wide column[6][3], const wide from[3], wide value[6])
         if (fabsl(m[pivot][c]) < 1e-12L)
             return false;
         for (int k = 0; k <= n; ++k) {
-            wide kept = m[c][k];
+            real kept = m[c][k];
             m[c][k] = m[pivot][k];
             m[pivot][k] = kept;
         }
         for (int i = 0; i < n; ++i) {
-            wide times = i == c ? 0 : m[i][c] / m[c][c];
+            real times = i == c ? 0 : m[i][c] / m[c][c];
             for (int k = c; k <= n; ++k)
                 m[i][k] -= times * m[c][k];
         }
@@ -130,20 +117,20 @@ static bool solve(int n, wide column[6][3], const wide from[3], wide value[6])
 
 // The distance of two boxes: each part of either's nearest point is at one end, at the other, or
 // between them, and then the gap is least in it. All 3^6 cases are tried.
-static wide distance_of(const duet_pose *a, const duet_pose *b)
+static real distance_of(const duet_pose *a, const duet_pose *b)
 {
-    wide axis_a[3][3], axis_b[3][3], least = HUGE_VALL;
-    wide_axes(axis_a, a->rotation);
-    wide_axes(axis_b, b->rotation);
+    real axis_a[3][3], axis_b[3][3], least = HUGE_VALL;
+    real_axes(axis_a, a->rotation);
+    real_axes(axis_b, b->rotation);
     for (int set = 0; set < 729; ++set) {
-        wide from[3], column[6][3], value[6], extent[6];
+        real from[3], column[6][3], value[6], extent[6];
         int n = 0;
         for (int k = 0; k < 3; ++k)
-            from[k] = (wide)b->centre[k] - a->centre[k];
+            from[k] = (real)b->centre[k] - a->centre[k];
         for (int e = 0, rest = set; e < 6; ++e, rest /= 3) {
-            const wide *axis = e < 3 ? axis_a[e] : axis_b[e - 3];
-            wide half = e < 3 ? a->half_extents[e] : b->half_extents[e - 3];
-            wide end = rest % 3 == 1 ? half : -half;
+            const real *axis = e < 3 ? axis_a[e] : axis_b[e - 3];
+            real half = e < 3 ? a->half_extents[e] : b->half_extents[e - 3];
+            real end = rest % 3 == 1 ? half : -half;
             for (int k = 0; k < 3; ++k) {
                 if (rest % 3 == 0)
                     column[n][k] = axis[k];
@@ -161,7 +148,7 @@ static wide distance_of(const duet_pose *a, const duet_pose *b)
             for (int k = 0; k < 3; ++k)
                 from[k] += value[i] * column[i][k];
         }
-        wide length = sqrtl(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
+        real length = sqrtl(from[0] * from[0] + from[1] * from[1] + from[2] * from[2]);
         if (inside && length < least)
             least = length;
     }
@@ -176,8 +163,7 @@ static duet_rounded_box random_box(rng *r, const duet_rounded_box *like)
         b.pose.centre[k] = (float)rng_between(r, -1.2, 1.2);
         b.pose.half_extents[k] = rng_below(r, 3) ? (float)rng_between(r, 0, 0.6) : 0.0f;
     }
-    for (int k = 0; k < 4; ++k)
-        b.pose.rotation[k] = (float)rng_normal(r);
+    turn_at_random(&b.pose, r);
     if (like && rng_below(r, 3) == 0)
         for (int k = 0; k < 4; ++k)
             b.pose.rotation[k] =
@@ -204,15 +190,15 @@ TEST(distances_are_those_of_all_faces)
             assert_true(rounded_exact(&a, &b, dims));
             continue;
         }
-        wide distance = distance_of(&flat_a.pose, &flat_b.pose);
+        real distance = distance_of(&flat_a.pose, &flat_b.pose);
         // One pair of radii at random, and some from far to near of touching.
         for (int power = 0; power <= 50; power += 10) {
-            wide reach = power == 0 ? (wide)a.radius + b.radius
+            real reach = power == 0 ? (real)a.radius + b.radius
                                     : distance + (rng_below(&r, 2) ? 1 : -1) * ldexpl(1, -power);
             a.radius = reach > 0 ? (float)(reach * rng_between(&r, 0, 1)) : 0.0f;
             b.radius = (float)(reach - a.radius);
             b.radius = b.radius > 0 ? b.radius : 0.0f;
-            wide clear = distance - ((wide)a.radius + b.radius);
+            real clear = distance - ((real)a.radius + b.radius);
             if (fabsl(clear) < 1e-16L)
                 continue;
             near += fabsl(clear) < 1e-7L;
@@ -226,7 +212,7 @@ TEST(distances_are_those_of_all_faces)
             }
         }
         assert_float_equal(duet_rounded_boxes_separation(&a, &b, dims),
-                           (double)(distance - ((wide)a.radius + b.radius)), 1e-6);
+                           (double)(distance - ((real)a.radius + b.radius)), 1e-6);
     }
     assert_true(near > RANDOM_PAIRS / 4 && exact > RANDOM_PAIRS);
 }

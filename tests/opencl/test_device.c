@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _POSIX_C_SOURCE 200809L
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "runtime/opencl/device_list.h"
@@ -11,21 +12,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-// A CPU that can be cut into parts; skips the test where there is none.
-static const duet_device_info *cuttable_cpu(void)
-{
-    const device_root *roots = NULL;
-    uint32_t n = 0;
-    device_list_roots(&roots, &n, NULL);
-    for (uint32_t i = 0; i < n; ++i)
-        if (roots[i].info.can_cut)
-            return &roots[i].info;
-    print_message("no CPU here can be cut into parts\n");
-    skip();
-    return NULL;
-}
-
-static duet_device_pair *open_pair(const char *a, const char *b, duet_error *err)
+static duet_device_pair *open_two(const char *a, const char *b, duet_error *err)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = a;
@@ -57,7 +44,7 @@ TEST(a_message_that_counts_all_lines_is_one_of_a_file)
 
 static void refused(const char *selector, duet_status status, const char *says)
 {
-    must_fail(open_pair(selector, selector, ERR), status, says);
+    must_fail(open_two(selector, selector, ERR), status, says);
 }
 
 TEST(every_listed_device_can_be_opened_by_its_selector)
@@ -67,7 +54,7 @@ TEST(every_listed_device_can_be_opened_by_its_selector)
     for (uint32_t i = 0; i < duet_device_list_get_count(list); ++i) {
         const duet_device_info *info = duet_device_list_get_info(list, i);
         assert_true(info->units > 0 && info->max_group > 0 && info->global_bytes > 0);
-        duet_device_pair *pair = must(open_pair(info->selector, info->selector, ERR));
+        duet_device_pair *pair = must(open_two(info->selector, info->selector, ERR));
         assert_string_equal(duet_device_pair_get_info(pair, 0)->selector, info->selector);
         assert_string_equal(duet_device_pair_get_info(pair, 1)->selector, info->selector);
         duet_device_pair_destroy(pair);
@@ -105,11 +92,11 @@ TEST(a_part_has_the_units_it_names)
 
 static void check_contexts(const char *a, const char *b, bool is_one)
 {
-    duet_device_pair *pair = must(open_pair(a, b, ERR));
-    const device *devices = pair->devices;
-    assert_true((devices[0].context == devices[1].context) == is_one);
-    assert_ptr_not_equal(devices[0].queue, devices[1].queue);
-    assert_ptr_not_equal(devices[0].queue, devices[0].beside);
+    duet_device_pair *pair = must(open_two(a, b, ERR));
+    const device *opened = pair->devices;
+    assert_true((opened[0].context == opened[1].context) == is_one);
+    assert_ptr_not_equal(opened[0].queue, opened[1].queue);
+    assert_ptr_not_equal(opened[0].queue, opened[0].beside);
     assert_int_equal(device_live_objects(), 2 * 4);
     duet_device_pair_destroy(pair);
 }
@@ -130,7 +117,7 @@ TEST(without_a_folder_the_users_cache_is_taken)
 {
     unsetenv("DUET_CACHE");
     setenv("XDG_CACHE_HOME", "/proc/nowhere", 1);
-    duet_device_pair *pair = must(open_pair("pocl:0", "pocl:0", ERR));
+    duet_device_pair *pair = must(open_two("pocl:0", "pocl:0", ERR));
     unsetenv("XDG_CACHE_HOME");
     assert_string_equal(pair->cache_dir, "/proc/nowhere/duet");
     duet_device_info other = pair->devices[0].info;
@@ -149,7 +136,7 @@ TEST(without_a_folder_the_users_cache_is_taken)
 // With a GPU the pair is a CPU and the GPU; else one CPU is both, and B has all.
 TEST(without_selectors_a_whole_machine_is_chosen)
 {
-    duet_device_pair *pair = must(open_pair(NULL, NULL, ERR));
+    duet_device_pair *pair = must(open_two(NULL, NULL, ERR));
     const device *a = &pair->devices[0];
     const device *b = &pair->devices[1];
     assert_int_equal(a->info.kind, DUET_KIND_CPU);
@@ -162,14 +149,14 @@ TEST(without_selectors_a_whole_machine_is_chosen)
 TEST(halves_hold_all_units_between_them)
 {
     const duet_device_info *cpu = cuttable_cpu();
-    duet_device_pair *pair = must(open_pair("halves", NULL, ERR));
+    duet_device_pair *pair = must(open_two("halves", NULL, ERR));
     const duet_device_info *a = duet_device_pair_get_info(pair, 0);
     const duet_device_info *b = duet_device_pair_get_info(pair, 1);
     assert_int_equal(a->units + b->units, cpu->units);
     duet_plan plan = duet_default_plan(pair);
     assert_int_equal(plan.share, DUET_SHARE_ONE * (uint64_t)a->units / cpu->units);
     assert_int_equal(plan.mode, DUET_MODE_DEFAULT);
-    duet_device_pair *same = must(open_pair("cpu[1/2],cpu[2/2]", NULL, ERR));
+    duet_device_pair *same = must(open_two("cpu[1/2],cpu[2/2]", NULL, ERR));
     assert_string_equal(duet_device_pair_get_info(same, 0)->selector, a->selector);
     assert_string_equal(duet_device_pair_get_info(same, 1)->selector, b->selector);
     duet_device_pair_destroy(same);
@@ -178,7 +165,7 @@ TEST(halves_hold_all_units_between_them)
 
 TEST(one_selector_is_a_pair_of_one)
 {
-    duet_device_pair *pair = must(open_pair("cpu", NULL, ERR));
+    duet_device_pair *pair = must(open_two("cpu", NULL, ERR));
     assert_true(duet_device_pair_is_one(pair));
     assert_int_equal(duet_default_plan(pair).share, 0);
     duet_device_pair *opened = must(duet_device_pair_open("cpu", ERR));
@@ -258,19 +245,19 @@ TEST(a_failed_second_device_gives_the_first_back)
     const device_root *roots = NULL;
     uint32_t n = 0;
     assert_true(device_list_roots(&roots, &n, NULL));
-    must_fail(open_pair(roots[0].info.selector, "abacus:0", ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    must_fail(open_two(roots[0].info.selector, "abacus:0", ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
 
 TEST(half_a_pair_and_a_def_without_defaults_are_refused)
 {
-    must_fail(open_pair(NULL, "pocl:0", ERR), DUET_STATUS_BAD_ARGUMENT, "");
+    must_fail(open_two(NULL, "pocl:0", ERR), DUET_STATUS_BAD_ARGUMENT, "");
     static const char *const lists[] = {"", ",", "pocl:0,", ",pocl:0", "pocl:0,pocl:0,pocl:0"};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i)
-        must_fail(open_pair(lists[i], NULL, ERR), DUET_STATUS_BAD_ARGUMENT,
+        must_fail(open_two(lists[i], NULL, ERR), DUET_STATUS_BAD_ARGUMENT,
                   "expected two selectors");
     must_fail(duet_device_pair_create(&(duet_device_pair_def){0}, ERR), DUET_STATUS_BAD_ARGUMENT,
               "");
-    assert_null(open_pair("abacus:0", "abacus:0", NULL));
+    assert_null(open_two("abacus:0", "abacus:0", NULL));
 }
 
 TEST(folders_come_from_the_environment_and_are_copied)
@@ -278,7 +265,7 @@ TEST(folders_come_from_the_environment_and_are_copied)
     char folder[] = "some/folder";
     setenv("DUET_KERNEL_DIR", folder, 1);
     setenv("DUET_CACHE", "off", 1);
-    duet_device_pair *pair = must(open_pair(NULL, NULL, ERR));
+    duet_device_pair *pair = must(open_two(NULL, NULL, ERR));
     unsetenv("DUET_KERNEL_DIR");
     unsetenv("DUET_CACHE");
     assert_string_equal(pair->kernel_dir, "some/folder");
@@ -290,7 +277,7 @@ TEST(folders_come_from_the_environment_and_are_copied)
 static void *open_and_close(void *failed)
 {
     duet_error err = {0};
-    duet_device_pair *pair = open_pair(NULL, NULL, &err);
+    duet_device_pair *pair = open_two(NULL, NULL, &err);
     *(bool *)failed = !pair;
     duet_device_pair_destroy(pair);
     return NULL;

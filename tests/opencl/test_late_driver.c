@@ -2,6 +2,7 @@
 // A driver's thread that lets go of a command long after the command was over, as it does where a
 // busy machine runs it late: PoCL's uses queue and device once more behind the end it tells of.
 #define _GNU_SOURCE
+#include "support/devices.h"
 #include "support/test.h"
 
 #include "runtime/opencl/device_list.h"
@@ -34,18 +35,9 @@ __attribute__((visibility("default"))) int pthread_cond_broadcast(pthread_cond_t
 
 static void open_part(device *d)
 {
-    const device_root *roots = NULL;
-    uint32_t n = 0;
     char selector[96];
-    device_list_roots(&roots, &n, NULL);
-    for (uint32_t i = 0; i < n; ++i)
-        if (roots[i].info.can_cut) {
-            snprintf(selector, sizeof selector, "%s[0-0]", roots[i].info.selector);
-            must(device_open(d, selector, ERR));
-            return;
-        }
-    print_message("no CPU here can be cut into parts\n");
-    skip();
+    snprintf(selector, sizeof selector, "%s[0-0]", cuttable_cpu()->selector);
+    must(device_open(d, selector, ERR));
 }
 
 static void fill(device *d, buffer *b)

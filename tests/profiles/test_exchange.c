@@ -3,7 +3,6 @@
 #include "support/test.h"
 
 #include "profiles/exchange.h"
-#include "profiles/level_cost.h"
 #include "profiles/sql.h"
 #include "profiles/upkeep.h"
 #include "support/store.h"
@@ -24,7 +23,7 @@ static two_stores open_two(void)
     return two;
 }
 
-// The store as lines; the caller frees them.
+// The store as lines, which the test keeps.
 static char *lines_of(store *s)
 {
     char *lines = NULL;
@@ -32,7 +31,7 @@ static char *lines_of(store *s)
     FILE *out = open_memstream(&lines, &n);
     must(profile_export(s, out, "an export", ERR));
     fclose(out);
-    return lines;
+    return test_keep(lines, free);
 }
 
 static bool import_lines(store *s, const char *lines, profile_import_counts *counts,
@@ -52,96 +51,78 @@ static void tune_one(store *s, uint64_t n)
     test_tune(s, &pair, &workload);
 }
 
-// A table of level costs, and all that a profile can have.
-static void cost_one(store *s)
+// The first has a tuning.
+static two_stores open_tuned(void)
 {
-    profile_workload workload = test_workload(1000);
-    workload.level = "auto";
-    profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
-    const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
-    must(profile_workload_put(s, &workload, &key.workload_id, ERR));
-    must(profile_level_costs_put(s, &key, costs, 2, ERR));
-    must(sql_script(s,
-                    "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
-                    "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
-                    "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
-                    ERR));
+    two_stores two = open_two();
+    tune_one(two.s, 1000);
+    return two;
+}
+
+// All that the first has comes into the second.
+static profile_import_counts bring_over(const two_stores *two)
+{
+    profile_import_counts counts;
+    must(import_lines(two->other, lines_of(two->s), &counts, ERR));
+    return counts;
 }
 
 TEST(what_went_out_comes_in_as_it_was)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     tune_one(two.s, 2000);
-    cost_one(two.s);
-    char *lines = lines_of(two.s);
-    profile_import_counts counts;
-    must(import_lines(two.other, lines, &counts, ERR));
-    assert_int_equal(counts.known, 0);
+    test_fill_out(two.s);
+    assert_int_equal(bring_over(&two).known, 0);
     assert_int_equal(test_count(two.other, "level_cost WHERE missed = 3 AND invented = 9"), 1);
-    char *back = lines_of(two.other);
-    assert_string_equal(back, lines);
+    assert_string_equal(lines_of(two.other), lines_of(two.s));
     assert_int_equal(test_count(two.other, "fit"), test_count(two.s, "fit"));
     assert_int_equal(test_count(two.other, "sample"), 2 * 9 * 4);
-    free(lines);
-    free(back);
 }
 
 TEST(numbers_of_full_length_survive)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     must(sql_script(two.s,
                     "UPDATE session SET seed = 9223372036854775807; "
                     "UPDATE sample SET at_ns = 1763710000123456789",
                     ERR));
-    char *lines = lines_of(two.s);
-    profile_import_counts counts;
-    must(import_lines(two.other, lines, &counts, ERR));
+    bring_over(&two);
     assert_int_equal(test_count(two.other, "session WHERE seed = 9223372036854775807"), 1);
     assert_int_equal(test_count(two.other, "sample WHERE at_ns <> 1763710000123456789"), 0);
-    free(lines);
 }
 
-static void replace_once(char **lines, const char *from, const char *to)
+static char *replaced(const char *lines, const char *from, const char *to)
 {
-    char *at = strstr(*lines, from);
+    const char *at = strstr(lines, from);
     if (!at)
         fail_msg("no line has %s", from);
     text t = {0};
-    text_add_bytes(&t, *lines, (size_t)(at - *lines));
+    text_add_bytes(&t, lines, (size_t)(at - lines));
     text_add(&t, "%s%s", to, at + strlen(from));
-    free(*lines);
-    *lines = t.chars;
+    return test_keep(t.chars, free);
 }
 
 // Versions before the fourth loaded plans without a verdict.
 TEST(a_plan_without_a_verdict_comes_in_unused)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
-    char *lines = lines_of(two.s);
+    two_stores two = open_tuned();
+    char *lines = replaced(lines_of(two.s), "\"verdict\":\"faster\"", "\"verdict\":\"ambiguous\"");
     profile_import_counts counts;
-    replace_once(&lines, "\"verdict\":\"faster\"", "\"verdict\":\"ambiguous\"");
     must(import_lines(two.other, lines, &counts, ERR));
     assert_int_equal(test_count(two.other, "profile WHERE live = 0 AND dead_reason = "
                                            "'" PROFILE_TOO_FEW_ROUNDS "'"),
                      1);
-    free(lines);
 }
 
 TEST(rows_that_are_known_are_not_taken_twice)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
-    char *lines = lines_of(two.s);
+    two_stores two = open_tuned();
     profile_import_counts counts;
-    must(import_lines(two.s, lines, &counts, ERR));
+    must(import_lines(two.s, lines_of(two.s), &counts, ERR));
     assert_int_equal(counts.added, 0);
     assert_true(counts.known > 9);
     assert_int_equal(test_count(two.s, "profile"), 1);
     assert_int_equal(test_count(two.s, "sample"), 36);
-    free(lines);
 }
 
 TEST(a_file_without_lines_is_refused)
@@ -195,12 +176,11 @@ TEST(one_bad_line_refuses_the_file_and_is_named)
         {"\"name\":\"", "\"name\":\"\xff", "not UTF-8"},
         {"\"type\":\"store\",\"version\":8", "\"type\":\"store\",\"version\":9", "another version"},
     };
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     for (size_t i = 0; i < sizeof spoilt / sizeof spoilt[0]; ++i) {
         char *lines = lines_of(two.s);
         int line = line_of(lines, spoilt[i].from);
-        replace_once(&lines, spoilt[i].from, spoilt[i].to);
+        lines = replaced(lines, spoilt[i].from, spoilt[i].to);
         profile_import_counts counts;
         duet_error err = {0};
         char place[32];
@@ -212,15 +192,13 @@ TEST(one_bad_line_refuses_the_file_and_is_named)
             fail_msg("for %s at %s: %s", spoilt[i].to, place, err.text);
         assert_int_equal(test_count(two.other, "device"), 0);
         assert_int_equal(test_count(two.other, "audit"), 0);
-        free(lines);
     }
 }
 
 // A store that somebody tampered with goes out without what is no object.
 TEST(a_poisoned_store_is_told_of_and_still_goes_out)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     own(text) report = {0};
     uint32_t problems = 0;
     must(sql_script(two.s,
@@ -236,32 +214,26 @@ TEST(a_poisoned_store_is_told_of_and_still_goes_out)
     assert_null(strstr(lines, "evil"));
     assert_null(strstr(lines, "broken"));
     assert_non_null(strstr(lines, "\"terms\":{\"fine\":0.1}"));
-    profile_import_counts counts;
-    must(import_lines(two.other, lines, &counts, ERR));
+    bring_over(&two);
     assert_int_equal(test_count(two.other, "profile"), 1);
-    free(lines);
 }
 
 TEST(a_row_whose_pair_is_nowhere_is_refused)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
-    char *lines = lines_of(two.s);
-    char *session = strstr(lines, "{\"type\":\"session\"");
+    two_stores two = open_tuned();
+    char *session = strstr(lines_of(two.s), "{\"type\":\"session\"");
     assert_non_null(session);
     profile_import_counts counts;
     must_fail(import_lines(two.other, session, &counts, ERR), DUET_STATUS_BAD_INPUT,
               "rows.jsonl:1: needs a row");
     assert_non_null(strstr(ERR->text, "pair_id"));
-    free(lines);
 }
 
 // Whatever a line holds, the import ends with all rows or with one line of
 // error, and the store stays sound.
 TEST(spoilt_bytes_never_break_the_store)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     rng r = rng_seed(test_seed());
     int refused = 0;
     for (int round = 0; round < 150; ++round) {
@@ -276,7 +248,6 @@ TEST(spoilt_bytes_never_break_the_store)
         refused += !ok;
         assert_int_equal(test_count(two.other, "audit"), before + ok);
         assert_true(ok || strncmp(err.text, "rows.jsonl:", 11) == 0);
-        free(lines);
     }
     assert_true(refused > 50);
     own(text) report = {0};
@@ -315,8 +286,7 @@ TEST(a_merge_keeps_two_machines_apart)
 
 TEST(a_merge_does_not_replace_the_stores_own_profile)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     tune_one(two.other, 1000);
     duet_error err = {0};
     sql q = sql_make(two.s, "SELECT uid FROM profile", &err);
@@ -344,8 +314,7 @@ TEST(a_store_is_not_merged_into_itself)
 
 TEST(pruning_thins_samples_and_keeps_medians)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     tune_one(two.s, 1000);
     profile_prune_def def = {.keep_samples = 2, .before_ns = INT64_MAX, .drop_dead = true};
     profile_prune_counts counts;
@@ -363,8 +332,7 @@ TEST(pruning_thins_samples_and_keeps_medians)
 
 TEST(pruning_leaves_an_unfinished_search_whole)
 {
-    two_stores two = open_two();
-    tune_one(two.s, 1000);
+    two_stores two = open_tuned();
     must(sql_script(two.s, "UPDATE session SET state = 'stopped'", ERR));
     profile_prune_def def = {.keep_samples = 0, .before_ns = INT64_MAX};
     profile_prune_counts counts;
@@ -386,8 +354,7 @@ TEST(a_check_finds_what_was_tampered_with)
         {"PRAGMA foreign_keys = OFF; DELETE FROM workload", "points at none"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        two_stores two = open_two();
-        tune_one(two.s, 1000);
+        two_stores two = open_tuned();
         own(text) report = {0};
         uint32_t problems = 0;
         must(profile_check(two.s, &report, &problems, ERR));

@@ -100,20 +100,11 @@ static double best_share(uint64_t n)
     return 10.0 / 60.0;
 }
 
-static void assert_why_of(const profile_request *request, const char *says)
-{
-    profile_found found;
-    own(text) why = {0};
-    must(profile_lookup(f.s, request, &found, &why, ERR));
-    if (!strstr(text_chars(&why), says))
-        fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
-}
-
 static void assert_why(uint64_t n, const char *says)
 {
     profile_workload workload = test_workload(n);
     profile_request request = test_request(&f.pair, &workload);
-    assert_why_of(&request, says);
+    look_assert_why(f.s, &request, says);
 }
 
 // Nothing of another workload is handed over as this one's.
@@ -216,7 +207,7 @@ TEST(a_scene_that_is_not_alike_lends_no_figure)
         others[2].cells[2] = 6;
         profile_request request = test_request(&f.pair, &others[i]);
         assert_int_equal(look_up(f.s, &request).grade, PROFILE_DEFAULT);
-        assert_why_of(&request, says[i]);
+        look_assert_why(f.s, &request, says[i]);
         // Sharing gains so much that it surely does here, too; by how much is not known.
         look_change(&f, "UPDATE profile SET gain = 3, gain_low = 2.9, gain_high = 3.1");
         profile_found found = look_up(f.s, &request);

@@ -33,11 +33,7 @@ TEST(a_look_up_leaves_no_trace)
     own(text) before = test_read_file(f.folder.store);
     usleep(100000); // until the file counts as settled
     int entries = count_entries(f.folder.path);
-    profile_workload workload = test_workload(100000);
-    profile_request request = test_request(&f.pair, &workload);
-    profile_found found;
-    must(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, ERR));
-    assert_int_equal(found.grade, PROFILE_EXACT);
+    assert_int_equal(look_in_files(f.folder.store, NULL, 100000).grade, PROFILE_EXACT);
     assert_int_equal(count_entries(f.folder.path), entries);
     must(text_read_file(&after, f.folder.store, ERR));
     assert_int_equal(after.length, before.length);
@@ -49,11 +45,7 @@ TEST(a_look_up_sees_what_a_tuner_at_work_has_stored)
 {
     look_fixture f = look_open();
     look_tune(&f, 100000); // still open: the rows are in the side file
-    profile_workload workload = test_workload(100000);
-    profile_request request = test_request(&f.pair, &workload);
-    profile_found found;
-    must(profile_lookup_files(f.folder.store, NULL, &request, &found, NULL, ERR));
-    assert_int_equal(found.grade, PROFILE_EXACT);
+    assert_int_equal(look_in_files(f.folder.store, NULL, 100000).grade, PROFILE_EXACT);
 }
 
 TEST(missing_files_give_the_default_without_failure)
@@ -77,13 +69,9 @@ TEST(the_users_row_comes_before_the_systems)
     look_tune(&system, 100000);
     look_tune(&system, 700000);
     look_change(&system, "UPDATE profile SET share = 1");
-    profile_workload workload = test_workload(100000);
-    profile_request request = test_request(&user.pair, &workload);
-    profile_found found;
-    must(profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, ERR));
+    profile_found found = look_in_files(user.folder.store, system.folder.store, 100000);
     assert_int_equal(found.plan.share, 8192);
-    workload = test_workload(700000);
-    must(profile_lookup_files(user.folder.store, system.folder.store, &request, &found, NULL, ERR));
+    found = look_in_files(user.folder.store, system.folder.store, 700000);
     assert_int_equal(found.grade, PROFILE_EXACT);
     assert_int_equal(found.plan.share, 1);
 }
@@ -106,41 +94,32 @@ TEST(a_broken_user_file_leaves_the_systems)
 
 // ------------------------------------------------------------------------------ why
 
-static void assert_why(store *s, const profile_request *request, const char *says)
-{
-    profile_found found;
-    own(text) why = {0};
-    must(profile_lookup(s, request, &found, &why, ERR));
-    if (!strstr(text_chars(&why), says))
-        fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
-}
-
 TEST(why_says_what_is_missing)
 {
     look_fixture f = look_open();
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
-    assert_why(f.s, &request, "exact        no: device A was never measured");
+    look_assert_why(f.s, &request, "exact        no: device A was never measured");
     look_tune(&f, 100000);
-    assert_why(f.s, &request, "exact        yes: measured 20");
-    assert_why(f.s, &request, "on this machine");
+    look_assert_why(f.s, &request, "exact        yes: measured 20");
+    look_assert_why(f.s, &request, "on this machine");
     request.kernels = "another";
-    assert_why(f.s, &request, "exact        no: the kernels changed since");
-    assert_why(f.s, &request, "stale        yes: ");
+    look_assert_why(f.s, &request, "exact        no: the kernels changed since");
+    look_assert_why(f.s, &request, "stale        yes: ");
     request.kernels = TEST_KERNELS;
     request.objective = "energy";
-    assert_why(f.s, &request, "measured for another objective");
+    look_assert_why(f.s, &request, "measured for another objective");
     request.objective = "time";
     request.max_missed_rate = -1;
-    assert_why(f.s, &request,
-               "no: for each true pair it misses 0 and adds 0 false ones, above -1 or inf");
+    look_assert_why(f.s, &request,
+                    "no: for each true pair it misses 0 and adds 0 false ones, above -1 or inf");
     request.max_missed_rate = INFINITY;
     workload = test_workload(300000);
-    assert_why(f.s, &request, "exact        no: no such workload");
+    look_assert_why(f.s, &request, "exact        no: no such workload");
     profile_pair pair = f.pair;
     pair.a.part = "0-1";
     request.pair = &pair;
-    assert_why(f.s, &request, "transferred  no: one of the devices was never measured");
+    look_assert_why(f.s, &request, "transferred  no: one of the devices was never measured");
 }
 
 TEST(why_says_when_the_row_is_of_another_machine)
@@ -150,7 +129,7 @@ TEST(why_says_when_the_row_is_of_another_machine)
     look_change(&f, "UPDATE session SET host = 'elsewhere'");
     profile_workload workload = test_workload(100000);
     profile_request request = test_request(&f.pair, &workload);
-    assert_why(f.s, &request, "another machine with such devices");
+    look_assert_why(f.s, &request, "another machine with such devices");
 }
 
 // ---------------------------------------------------------------------------- speed

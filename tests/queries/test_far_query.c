@@ -3,6 +3,7 @@
 // the boxes are, whatever else is in the tree, on every device and share.
 #include "support/test.h"
 
+#include "base/compare.h"
 #include "support/devices.h"
 #include "support/hits.h"
 #include "support/trees.h"
@@ -337,12 +338,6 @@ static double distance_to(const duet_pose *box, const float point[3])
     return sqrt(square);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 TEST(the_nearest_are_those_of_a_sweep)
 {
     enum { NEAREST = 5 };
@@ -357,7 +352,7 @@ TEST(the_nearest_are_those_of_a_sweep)
         for (int k = 0; k < NEAREST; ++k)
             assert_float_equal(hits[NEAREST * i + k].distance, distances[hits[NEAREST * i + k].id],
                                1e-4);
-        qsort(distances, BOXES, sizeof *distances, by_size);
+        qsort(distances, BOXES, sizeof *distances, compare_double);
         for (int k = 0; k < NEAREST; ++k)
             assert_float_equal(hits[NEAREST * i + k].distance, distances[k], 1e-4);
     }

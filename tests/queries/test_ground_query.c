@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Rays and points against a ground of heights: all triangles and walls in long double, touching
 // rays to the last bit, and the ground among objects.
-#include "support/real.h"
+#include "support/ground_truth.h"
 #include "support/test.h"
 
 #include "support/devices.h"
 #include "support/hits.h"
 #include "support/trees.h"
 
-enum { NX = 13, NY = 9, RAYS = 4000, POINTS = 600 };
+enum { NX = 13, NY = 9 };
 
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
 
@@ -95,8 +95,9 @@ static real pass_wall(const field *f, const duet_ray *ray, int side)
     return above(f, at) <= 0 ? t : INFINITY;
 }
 
-static real cast(const field *f, const duet_ray *ray)
+static real cast(const void *ground, const duet_ray *ray)
 {
+    const field *f = ground;
     real from[3], best = INFINITY;
     point_at(ray, 0, from);
     if (above(f, from) <= 0)
@@ -134,48 +135,12 @@ static duet_tree *open_ground(const field *f, uint32_t share)
     return tree;
 }
 
-// A grazing ray's t is known less well: the point there is on the ground all the same.
-static void check_hit(const field *f, const duet_ray *ray, const duet_ray_query_result *found,
-                      uint32_t i)
-{
-    const duet_ray_hit *hit = &found->hits[i];
-    const float *normal = found->normals[i].normal;
-    real expected = cast(f, ray);
-    bool met = hit->id != DUET_NO_OBJECT;
-    if (met != (expected < INFINITY))
-        fail_msg("ray %u: %s, and %Lg", i, met ? "met" : "missed", expected);
-    if (!met)
-        return;
-    assert_int_equal(hit->id, 6); // no objects, and walls have 0 to 5
-    if (!(fabsl((real)hit->t - expected) <= 1e-6L * (1 + expected)))
-        fail_msg("ray %u enters at %.9g, not %.9Lg", i, (double)hit->t, expected);
-    real square = 0, toward = 0;
-    for (int k = 0; k < 3; ++k) {
-        square += (real)normal[k] * (real)normal[k];
-        toward += (real)normal[k] * (real)ray->direction[k];
-    }
-    if (expected == 0)
-        assert_true(square == 0);
-    else
-        assert_true(fabsl(square - 1) < 1e-6L && toward <= 1e-6L);
-}
-
 TEST(rays_meet_the_ground_where_all_its_triangles_say)
 {
     rng r = rng_seed(test_seed());
     field *f = draw_field(&r);
-    duet_ray *rays = test_alloc(RAYS * sizeof *rays);
-    for (uint32_t i = 0; i < RAYS; ++i)
-        rays[i] = draw_ray(&r);
-    duet_tree *tree = open_ground(f, 0);
-    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
-    duet_ray_query_result found = cast_rays(query, rays, RAYS);
-    uint32_t met = 0;
-    for (uint32_t i = 0; i < RAYS; ++i) {
-        check_hit(f, &rays[i], &found, i);
-        met += found.hits[i].id != DUET_NO_OBJECT;
-    }
-    assert_true(met > RAYS / 8 && met < RAYS * 7 / 8);
+    const ground_truth truth = {f, cast, NULL, true, -2};
+    ground_truth_check_rays(&truth, open_ground(f, 0), &r);
 }
 
 // The gradient of the height, by differences.
@@ -266,7 +231,7 @@ TEST(points_beside_the_surface_are_told_apart)
         if (expected[i]) {
             assert_true(in < found.n_hits);
             assert_int_equal(found.hits[in].point, i);
-            assert_int_equal(found.hits[in++].id, 6);
+            assert_int_equal(found.hits[in++].id, GROUND_ID);
         }
     assert_int_equal(found.n_hits, in);
     assert_true(in > 30 && in < 270);
@@ -322,8 +287,9 @@ static real distance_to_wall(const real a[3], const real b[3], const real p[3])
     return best;
 }
 
-static real distance(const field *f, const real p[3])
+static real distance(const void *ground, const real p[3])
 {
+    const field *f = ground;
     real best = INFINITY;
     if (above(f, p) <= 0)
         return 0;
@@ -352,34 +318,11 @@ TEST(the_ground_is_as_far_as_all_its_triangles_say)
         .centre = {9, 0, 0}, .half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
     duet_tree *tree = open_tree(3, 0, &box, 1);
     must(duet_tree_set_heights(tree, &f->heights, ERR));
-    duet_point_query *query = open_point_query(tree, 3);
-    duet_point points[POINTS];
-    for (uint32_t i = 0; i < POINTS; ++i)
-        for (int k = 0; k < 3; ++k)
-            points[i].at[k] = (float)rng_between(&r, k == 2 ? -4 : -11, k == 2 ? 6 : 11);
-    duet_point_query_result found = seek_points(query, points, POINTS);
-    assert_int_equal(found.n_hits, 3 * POINTS);
-    for (uint32_t i = 0; i < POINTS; ++i) {
-        const duet_point_hit *hit = &found.hits[3 * i];
-        const real p[3] = {points[i].at[0], points[i].at[1], points[i].at[2]};
-        assert_true(hit[0].distance <= hit[1].distance && hit[2].id == DUET_NO_OBJECT);
-        assert_true(hit[0].id + hit[1].id == 7 && (hit[0].id == 0 || hit[1].id == 0));
-        real seen = hit[hit[0].id == 0].distance, right = distance(f, p);
-        if (!(fabsl(seen - right) <= 2e-7L * (1 + right)))
-            fail_msg("point %u is %.9Lg from the ground, not %.9Lg", i, seen, right);
-    }
+    const ground_truth truth = {f, cast, distance, true, -4};
+    ground_truth_check_points(&truth, tree, &r);
 }
 
 // ---------------------------------------------------------------- boxes
-
-static void corner_of(const block *b, int which, real at[3])
-{
-    for (int k = 0; k < 3; ++k) {
-        at[k] = b->centre[k];
-        for (int i = 0; i < 3; ++i)
-            at[k] += (which >> i & 1 ? 1 : -1) * b->half[i] * b->axis[i][k];
-    }
-}
 
 // How far a point over or beside a triangle is inside its edge e, times the edge's length.
 static real inside(const triangle *t, int e, const real p[3])
@@ -405,7 +348,7 @@ static real lowest_of_face(const triangle *t, const block *b, int axis, int side
     int n = 4, u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, first = side << axis;
     const int walk[4] = {first, first | u, first | u | v, first | v};
     for (int i = 0; i < 4; ++i)
-        corner_of(b, walk[i], from[i]);
+        block_corner(b, walk[i], from[i]);
     for (int e = 0; e < 3; ++e) {
         for (int i = 0; i < n; ++i)
             in[i] = inside(t, e, from[i]);
@@ -440,16 +383,6 @@ static duet_pose draw_box(rng *r, bool upright)
     return box;
 }
 
-static duet_bounds bounds_of(const duet_pose *box)
-{
-    duet_bounds b;
-    for (int k = 0; k < 3; ++k) {
-        b.lower[k] = box->centre[k] - box->half_extents[k];
-        b.upper[k] = box->centre[k] + box->half_extents[k];
-    }
-    return b;
-}
-
 static duet_tree *open_ground_of(const field *f, duet_shape shape)
 {
     duet_tree *tree =
@@ -466,7 +399,7 @@ static void join_some(const field *f, rng *r, bool upright)
     uint32_t met = 0;
     for (int i = 0; i < BOXES; ++i) {
         boxes[i] = draw_box(r, upright);
-        bounds[i] = bounds_of(&boxes[i]);
+        bounds[i] = bounds_of_upright(&boxes[i]);
     }
     duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
     duet_box_query *query = open_box_query(tree);
@@ -568,7 +501,8 @@ TEST(sweeps_meet_the_ground_there_and_not_before)
             sweeps[i].box.centre[2] += 1;
             for (int k = 0; k < 3; ++k)
                 sweeps[i].direction[k] = (float)(rng_normal(&r) - (k == 2 ? 0.5 : 0));
-            bounds[i] = (duet_bounds_sweep){.bounds = bounds_of(&sweeps[i].box), .t_max = 4};
+            bounds[i] =
+                (duet_bounds_sweep){.bounds = bounds_of_upright(&sweeps[i].box), .t_max = 4};
             memcpy(bounds[i].direction, sweeps[i].direction, sizeof bounds[i].direction);
         }
         duet_tree *tree = open_ground_of(f, upright ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES);
@@ -613,7 +547,7 @@ static real distance_of_core(const field *f, const block *b)
     return best;
 }
 
-static duet_rounded_box draw_rounded(rng *r, int kind)
+static duet_rounded_box draw_kind(rng *r, int kind)
 {
     duet_rounded_box box = {draw_box(r, false), (float)rng_between(r, 0.1, 0.6)};
     for (int k = 0; k < 3; ++k)
@@ -630,7 +564,7 @@ TEST(rounded_boxes_meet_the_ground_if_their_cores_are_that_near)
     duet_rounded_box boxes[BOXES];
     uint32_t met = 0;
     for (int i = 0; i < BOXES; ++i)
-        boxes[i] = draw_rounded(&r, i % 4);
+        boxes[i] = draw_kind(&r, i % 4);
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, NULL, 0);
     must(duet_tree_set_heights(tree, &f->heights, ERR));
     duet_box_query *query = open_box_query(tree);
@@ -703,8 +637,7 @@ static duet_tree *open_crowd(const field *f, uint32_t share, bool ground)
         boxes[i] = (duet_pose){.half_extents = {0.3f, 0.2f, 0.5f}};
         for (int k = 0; k < 3; ++k)
             boxes[i].centre[k] = (float)rng_between(&r, k == 2 ? 0 : -4, 4);
-        for (int k = 0; k < 4; ++k)
-            boxes[i].rotation[k] = (float)rng_normal(&r);
+        turn_at_random(&boxes[i], &r);
     }
     duet_tree *tree = open_tree(3, share, boxes, 60);
     must(duet_tree_set_heights(tree, ground ? &f->heights : NULL, ERR));

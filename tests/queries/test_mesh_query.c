@@ -1,47 +1,42 @@
 // SPDX-License-Identifier: MIT
 // Rays, points, boxes and sweeps against a ground of triangles: all triangles in long double, and
 // in whole numbers where things only touch.
-#include "support/ground.h"
-#include "support/real.h"
+#include "support/ground_truth.h"
+#include "support/mover.h"
+#include "support/shape.h"
 #include "support/test.h"
 
 #include "support/devices.h"
 #include "support/trees.h"
 
-enum { TRIANGLES = 300, GROUND = 6 }; // no objects, and walls have 0 to 5
-
-typedef struct soup {
-    duet_mesh mesh;
-    float vertices[9 * TRIANGLES];
-    uint32_t triangles[3 * TRIANGLES];
-} soup;
-
-static soup *soup_new(uint32_t n)
-{
-    soup *s = test_alloc(sizeof *s);
-    s->mesh = (duet_mesh){
-        .n_vertices = 3 * n, .n_triangles = n, .vertices = s->vertices, .triangles = s->triangles};
-    for (uint32_t i = 0; i < 3 * n; ++i)
-        s->triangles[i] = i;
-    return s;
-}
+enum { TRIANGLES = 300 };
 
 // Triangles in all directions, at places that no float holds.
-static soup *draw_soup(rng *r)
+static shape *draw_soup(rng *r)
 {
-    soup *s = soup_new(TRIANGLES);
+    shape *s = shape_new();
     const double origin[3] = {0.3, -0.1, 0.7};
     memcpy(s->mesh.origin, origin, sizeof origin);
-    for (uint32_t i = 0; i < TRIANGLES; ++i)
+    for (uint32_t i = 0; i < TRIANGLES; ++i) {
+        double at[3][3];
         for (int k = 0; k < 3; ++k) {
             double middle = rng_between(r, -5, 5);
             for (int c = 0; c < 3; ++c)
-                s->vertices[9 * i + 3 * c + k] = (float)(middle + rng_normal(r));
+                at[c][k] = middle + rng_normal(r);
         }
+        shape_own_triangle(s, at);
+    }
     return s;
 }
 
-static duet_tree *take_soup(duet_tree *tree, const soup *s)
+static shape *shape_of(double corners[3][3])
+{
+    shape *s = shape_new();
+    shape_own_triangle(s, corners);
+    return s;
+}
+
+static duet_tree *take_soup(duet_tree *tree, const shape *s)
 {
     must(duet_tree_set_mesh(tree, &s->mesh, ERR));
     return tree;
@@ -49,7 +44,7 @@ static duet_tree *take_soup(duet_tree *tree, const soup *s)
 
 // ---------------------------------------------------------------- truth
 
-static triangle triangle_of(const soup *s, uint32_t i)
+static triangle triangle_of(const shape *s, uint32_t i)
 {
     triangle t;
     for (int corner = 0; corner < 3; ++corner)
@@ -66,8 +61,9 @@ static double distance_to(const triangle *t, vector p)
     return triangle_distance(p, corner);
 }
 
-static real cast(const soup *s, const duet_ray *ray)
+static real cast(const void *ground, const duet_ray *ray)
 {
+    const shape *s = ground;
     real best = INFINITY;
     for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
         triangle t = triangle_of(s, i);
@@ -76,78 +72,36 @@ static real cast(const soup *s, const duet_ray *ray)
     return best <= (real)ray->t_max ? best : INFINITY;
 }
 
-static double distance(const soup *s, const double at[3])
+static real distance(const void *ground, const real at[3])
 {
-    double best = INFINITY;
-    for (uint32_t i = 0; i < s->mesh.n_triangles; ++i) {
-        triangle t = triangle_of(s, i);
-        best = fmin(best, distance_to(&t, (vector){at[0], at[1], at[2]}));
-    }
-    return best;
+    return shape_distance(ground, (vector){(double)at[0], (double)at[1], (double)at[2]});
 }
 
-// ---------------------------------------------------------------- rays
-
-enum { RAYS = 3000 };
-
-static duet_ray draw_ray(rng *r)
-{
-    duet_ray ray = {.t_max = rng_below(r, 4) ? INFINITY : (float)rng_between(r, 0, 6)};
-    for (int k = 0; k < 3; ++k) {
-        ray.origin[k] = (float)rng_between(r, -8, 8);
-        ray.direction[k] = (float)rng_normal(r);
-    }
-    uint64_t kind = rng_below(r, 6);
-    if (kind < 3)
-        ray.direction[kind] = 0;
-    return ray;
-}
-
-static void check_ray(const soup *s, const duet_ray *ray, const duet_ray_query_result *found,
-                      uint32_t i)
-{
-    const duet_ray_hit *hit = &found->hits[i];
-    const float *normal = found->normals[i].normal;
-    real expected = cast(s, ray), square = 0, toward = 0;
-    bool met = hit->id != DUET_NO_OBJECT;
-    if (met != (expected < INFINITY))
-        fail_msg("ray %u: %s, and %Lg", i, met ? "met" : "missed", expected);
-    if (!met)
-        return;
-    assert_int_equal(hit->id, GROUND);
-    if (!(fabsl((real)hit->t - expected) <= 1e-6L * (1 + expected)))
-        fail_msg("ray %u enters at %.9g, not %.9Lg", i, (double)hit->t, expected);
-    for (int k = 0; k < 3; ++k) {
-        square += (real)normal[k] * (real)normal[k];
-        toward += (real)normal[k] * (real)ray->direction[k];
-    }
-    assert_true(fabsl(square - 1) < 1e-6L && toward < 0);
-}
+// ---------------------------------------------------------------- rays and points
 
 TEST(rays_meet_a_mesh_where_all_its_triangles_say)
 {
     rng r = rng_seed(test_seed());
-    soup *s = draw_soup(&r);
-    duet_ray *rays = test_alloc(RAYS * sizeof *rays);
-    for (uint32_t i = 0; i < RAYS; ++i)
-        rays[i] = draw_ray(&r);
-    duet_tree *tree = take_soup(open_tree(3, 0, NULL, 0), s);
-    duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
-    duet_ray_query_result found = cast_rays(query, rays, RAYS);
-    uint32_t met = 0;
-    for (uint32_t i = 0; i < RAYS; ++i) {
-        check_ray(s, &rays[i], &found, i);
-        met += found.hits[i].id != DUET_NO_OBJECT;
-    }
-    assert_true(met > RAYS / 8 && met < RAYS * 7 / 8);
+    shape *s = draw_soup(&r);
+    const ground_truth truth = {s, cast, distance, false, -8};
+    ground_truth_check_rays(&truth, take_soup(open_tree(3, 0, NULL, 0), s), &r);
+}
+
+// The nearest are the mesh, one box, and nothing.
+TEST(a_mesh_is_as_far_as_all_its_triangles_say)
+{
+    rng r = rng_seed(test_seed());
+    shape *s = draw_soup(&r);
+    const duet_pose box = {
+        .centre = {9, 0, 0}, .half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+    const ground_truth truth = {s, cast, distance, false, -11};
+    ground_truth_check_points(&truth, take_soup(open_tree(3, 0, &box, 1), s), &r);
 }
 
 // Through a triangle from both sides, along the normal by a closed form.
 TEST(a_normal_looks_at_the_ray_from_either_side)
 {
-    static const float corners[9] = {0, 0, 0, 4, 0, 3, 0, 4, 0};
-    soup *s = soup_new(1);
-    memcpy(s->vertices, corners, sizeof corners);
+    shape *s = shape_of((double[3][3]){{0, 0, 0}, {4, 0, 3}, {0, 4, 0}});
     const duet_ray rays[2] = {{{1, 1, 5}, {0, 0, -1}, 9}, {{1, 1, -5}, {0, 0, 1}, 9}};
     duet_tree *tree = take_soup(open_tree(3, 0, NULL, 0), s);
     duet_ray_query_result found =
@@ -159,35 +113,6 @@ TEST(a_normal_looks_at_the_ray_from_either_side)
         assert_close(n[0], -0.6 * sign, 1e-6);
         assert_close(n[1], 0, 1e-6);
         assert_close(n[2], 0.8 * sign, 1e-6);
-    }
-}
-
-// ---------------------------------------------------------------- points
-
-// Three nearest are asked for: the mesh, one box, and nothing.
-TEST(a_mesh_is_as_far_as_all_its_triangles_say)
-{
-    enum { POINTS = 600 };
-    rng r = rng_seed(test_seed());
-    soup *s = draw_soup(&r);
-    const duet_pose box = {
-        .centre = {9, 0, 0}, .half_extents = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
-    duet_tree *tree = take_soup(open_tree(3, 0, &box, 1), s);
-    duet_point points[POINTS];
-    for (uint32_t i = 0; i < POINTS; ++i)
-        for (int k = 0; k < 3; ++k)
-            points[i].at[k] = (float)rng_between(&r, -11, 11);
-    duet_point_query_result found = seek_points(open_point_query(tree, 3), points, POINTS);
-    assert_int_equal(found.n_hits, 3 * POINTS);
-    for (uint32_t i = 0; i < POINTS; ++i) {
-        const duet_point_hit *hit = &found.hits[3 * i];
-        const float *p = points[i].at;
-        assert_true(hit[0].distance <= hit[1].distance && hit[2].id == DUET_NO_OBJECT);
-        assert_true(hit[0].id + hit[1].id == GROUND + 1 && hit[0].id * hit[1].id == 0);
-        double seen = hit[hit[0].id == 0].distance;
-        double right = distance(s, (const double[3]){p[0], p[1], p[2]});
-        if (!(fabs(seen - right) <= 2e-7 * (1 + right)))
-            fail_msg("point %u is %.9g from the mesh, not %.9g", i, seen, right);
     }
 }
 
@@ -342,12 +267,12 @@ static void draw_triangle(rng *r, whole t[3])
     }
 }
 
-static soup *soup_of(const whole t[3])
+static shape *shape_of_whole(const whole t[3])
 {
-    soup *s = soup_new(1);
+    double at[3][3];
     for (int i = 0; i < 9; ++i)
-        s->vertices[i] = (float)t[i / 3].at[i % 3];
-    return s;
+        at[i / 3][i % 3] = (double)t[i / 3].at[i % 3];
+    return shape_of(at);
 }
 
 static void set_floats(float to[3], whole from)
@@ -370,7 +295,7 @@ TEST(rays_and_points_of_whole_numbers_meet_exactly)
         duet_ray rays[EACH];
         duet_point points[EACH];
         draw_triangle(&r, t);
-        soup *s = soup_of(t);
+        shape *s = shape_of_whole(t);
         take_soup(tree, s);
         for (int i = 0; i < EACH; ++i) {
             p[i] = draw_whole(&r, 3);
@@ -408,7 +333,7 @@ TEST(boxes_of_whole_numbers_meet_exactly)
         duet_pose pose[EACH];
         duet_bounds bound[EACH];
         draw_triangle(&r, t);
-        soup *s = soup_of(t);
+        shape *s = shape_of_whole(t);
         take_soup(poses, s);
         take_soup(bounds, s);
         for (int i = 0; i < EACH; ++i) {
@@ -463,7 +388,7 @@ static bool reaches(const triangle *t, const block *b, real larger)
     return n > 0;
 }
 
-static bool any_reaches(const soup *s, const block *b, real larger)
+static bool any_reaches(const shape *s, const block *b, real larger)
 {
     bool any = false;
     for (uint32_t i = 0; i < s->mesh.n_triangles && !any; ++i) {
@@ -480,8 +405,7 @@ static duet_pose draw_box(rng *r)
         box.centre[k] = (float)rng_between(r, -6, 6);
         box.half_extents[k] = (float)rng_between(r, 0.05, 0.4);
     }
-    for (int k = 0; k < 4; ++k)
-        box.rotation[k] = (float)rng_normal(r);
+    turn_at_random(&box, r);
     return box;
 }
 
@@ -489,7 +413,7 @@ TEST(boxes_meet_a_mesh_if_something_of_a_triangle_is_in_them)
 {
     enum { BOXES = 400 };
     rng r = rng_seed(test_seed());
-    soup *s = draw_soup(&r);
+    shape *s = draw_soup(&r);
     duet_pose boxes[BOXES];
     uint32_t met = 0;
     for (int i = 0; i < BOXES; ++i)
@@ -508,7 +432,7 @@ TEST(boxes_meet_a_mesh_if_something_of_a_triangle_is_in_them)
 
 // Nowhere before, at twenty places; there; and no more of what it met when it is pushed along the
 // normal.
-static void check_sweep(const soup *s, const duet_sweep *sweep, const duet_sweep_hit *hit)
+static void check_sweep(const shape *s, const duet_sweep *sweep, const duet_sweep_hit *hit)
 {
     bool met = hit->id != DUET_NO_OBJECT;
     real last = met ? (real)hit->t : (real)sweep->t_max, square = 0;
@@ -538,7 +462,7 @@ TEST(sweeps_meet_a_mesh_there_and_not_before)
 {
     enum { SWEEPS = 150 };
     rng r = rng_seed(test_seed());
-    soup *s = draw_soup(&r);
+    shape *s = draw_soup(&r);
     duet_sweep sweeps[SWEEPS];
     uint32_t met = 0;
     for (int i = 0; i < SWEEPS; ++i) {
@@ -559,7 +483,7 @@ TEST(sweeps_meet_a_mesh_there_and_not_before)
 // ---------------------------------------------------------------- with radii
 
 // The least distance of places along a stick: it is convex against one triangle.
-static double stick_distance(const soup *s, const duet_pose *stick, const float direction[3],
+static double stick_distance(const shape *s, const duet_pose *stick, const float direction[3],
                              double t)
 {
     block b = block_of(stick);
@@ -588,7 +512,7 @@ TEST(capsules_meet_a_mesh_a_radius_away)
 {
     enum { SWEEPS = 60 };
     rng r = rng_seed(test_seed());
-    soup *s = draw_soup(&r);
+    shape *s = draw_soup(&r);
     duet_rounded_sweep sweeps[SWEEPS];
     duet_rounded_box boxes[SWEEPS];
     uint32_t met = 0, joins = 0;
@@ -632,9 +556,7 @@ TEST(capsules_meet_a_mesh_a_radius_away)
 // Boxes with a radius and their cores at a closed form: over a floor, over its edge and its corner.
 TEST(rounded_boxes_meet_a_floor_at_closed_forms)
 {
-    static const float corners[9] = {0, 0, 0, 8, 0, 0, 0, 8, 0};
-    soup *s = soup_new(1);
-    memcpy(s->vertices, corners, sizeof corners);
+    shape *s = shape_of((double[3][3]){{0, 0, 0}, {8, 0, 0}, {0, 8, 0}});
     const duet_rounded_sweep sweeps[] = {
         {{{{2, 2, 5}, {1, 0.5f, 0.25f}, {0, 0, 0, 1}}, 0.5f}, {0, 0, -1}, 9}, // down
         {{{{2, 2, -5}, {1, 0.5f, 0.25f}, {0, 0, 0, 1}}, 0.5f}, {0, 0, 1}, 9}, // up, from behind
@@ -660,10 +582,8 @@ TEST(a_mesh_takes_the_place_of_heights_and_is_given_back)
     static const float flat[4] = {0, 0, 0, 0};
     const duet_heights heights = {
         .nx = 2, .ny = 2, .origin = {-9, -9, 2}, .spacing = {18, 18}, .heights = flat};
-    static const float corners[9] = {-9, -9, 1, 9, -9, 1, 0, 9, 1};
     const duet_ray down = {.origin = {0, 0, 5}, .direction = {0, 0, -1}, .t_max = 9};
-    soup *s = soup_new(1);
-    memcpy(s->vertices, corners, sizeof corners);
+    shape *s = shape_of((double[3][3]){{-9, -9, 1}, {9, -9, 1}, {0, 9, 1}});
     static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
     for (int i = 0; i < 3; ++i) {
         duet_tree *tree = open_tree(3, shares[i], NULL, 0);
@@ -680,7 +600,7 @@ TEST(a_mesh_takes_the_place_of_heights_and_is_given_back)
 TEST(meshes_that_no_tree_can_have_are_refused)
 {
     rng r = rng_seed(1);
-    soup *s = draw_soup(&r);
+    shape *s = draw_soup(&r);
     duet_tree *flat = open_tree(2, 0, NULL, 0), *tree = open_tree(3, 0, NULL, 0);
     must_fail(duet_tree_set_mesh(flat, &s->mesh, ERR), DUET_STATUS_BAD_ARGUMENT,
               "meshes are for trees in 3D");

@@ -26,8 +26,7 @@ typedef struct scene {
 static duet_pose draw_pose(rng *r)
 {
     duet_pose pose;
-    for (int k = 0; k < 4; ++k)
-        pose.rotation[k] = (float)rng_normal(r);
+    turn_at_random(&pose, r);
     for (int k = 0; k < 3; ++k) {
         pose.centre[k] = (float)rng_between(r, -5, 5);
         pose.half_extents[k] = (float)rng_between(r, 0.2, 1);

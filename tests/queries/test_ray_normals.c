@@ -4,6 +4,7 @@
 #include "support/test.h"
 
 #include "support/devices.h"
+#include "support/real.h"
 #include "support/trees.h"
 
 enum { BOXES = 120, RAYS = 1500 };
@@ -15,18 +16,11 @@ static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE};
 // A point along the edges of the core, from its centre.
 static void to_core(const duet_rounded_box *box, const long double point[3], long double out[3])
 {
-    const float *q = box->pose.rotation;
-    long double x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / (x * x + y * y + z * z + w * w);
-    const long double axis[3][3] = {
-        {1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-        {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
-        {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)},
-    };
-    for (int i = 0; i < 3; ++i) {
-        out[i] = 0;
-        for (int k = 0; k < 3; ++k)
-            out[i] += axis[i][k] * (point[k] - box->pose.centre[k]);
-    }
+    const block core = block_of(&box->pose);
+    real way[3];
+    real_less(way, point, core.centre);
+    for (int i = 0; i < 3; ++i)
+        out[i] = real_dot(core.axis[i], way);
 }
 
 // From the surface; below 0 inside. edge: how far the nearest face's end is, above 0 beyond it.
@@ -167,10 +161,7 @@ static duet_tree *open_shape(duet_shape shape, uint32_t dims, uint32_t share, co
     duet_bounds bounds[BOXES];
     for (int i = 0; i < BOXES; ++i) {
         poses[i] = c->boxes[i].pose;
-        for (int k = 0; k < 3; ++k) {
-            bounds[i].lower[k] = poses[i].centre[k] - poses[i].half_extents[k];
-            bounds[i].upper[k] = poses[i].centre[k] + poses[i].half_extents[k];
-        }
+        bounds[i] = bounds_of_upright(&poses[i]);
     }
     return shape == DUET_SHAPE_POSES ? open_tree(dims, share, poses, BOXES)
            : shape == DUET_SHAPE_BOUNDS

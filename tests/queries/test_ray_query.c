@@ -5,8 +5,10 @@
 
 #include "support/devices.h"
 #include "support/hits.h"
+#include "support/real.h"
 #include "support/trees.h"
 
+#include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/ray.h"
 #include "runtime/queries/sweep.h"
 
@@ -105,20 +107,15 @@ static world *make_world(uint32_t dims)
 static long double enters_at(const duet_ray *ray, const duet_pose *box, uint32_t dims,
                              long double *least_speed)
 {
-    const float *q = box->rotation;
-    long double x = dims == 3 ? q[0] : 0, y = dims == 3 ? q[1] : 0, z = q[2], w = q[3];
-    long double norm = x * x + y * y + z * z + w * w;
-    const long double axis[3][3] = {
-        {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
-        {2 * (x * y - w * z), w * w + y * y - x * x - z * z, 2 * (y * z + w * x)},
-        {2 * (x * z + w * y), 2 * (y * z - w * x), w * w + z * z - x * x - y * y}};
-    long double enter = 0;
+    const duet_pose flat = narrow_flat(box, dims);
+    real axis[3][3], enter = 0;
+    real_axes(axis, flat.rotation);
     *least_speed = 1;
     for (uint32_t i = 0; i < dims; ++i) {
         long double at = 0, speed = 0;
         for (uint32_t k = 0; k < dims; ++k) {
-            at += axis[i][k] / norm * ((long double)ray->origin[k] - box->centre[k]);
-            speed += axis[i][k] / norm * ray->direction[k];
+            at += axis[i][k] * ((real)ray->origin[k] - box->centre[k]);
+            speed += axis[i][k] * ray->direction[k];
         }
         if (fabsl(speed) < 1e-30L)
             continue;

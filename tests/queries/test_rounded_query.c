@@ -5,6 +5,7 @@
 
 #include "support/devices.h"
 #include "support/hits.h"
+#include "support/real.h"
 #include "support/trees.h"
 
 #include "runtime/narrowphase/rounded.h"
@@ -21,31 +22,6 @@ typedef struct world {
     duet_point points[RAYS];
 } world;
 
-// Boxes, capsules and spheres; some upright on round numbers, some without a radius, or with one
-// that is too small for float to see.
-static duet_rounded_box draw_box(rng *r, uint32_t i)
-{
-    duet_rounded_box box = {.radius = (float)rng_between(r, 0.1, 0.6)};
-    for (int k = 0; k < 4; ++k) {
-        box.pose.rotation[k] = i % 4 == 0 ? k == 3 : (float)rng_normal(r);
-        if (k == 3)
-            break;
-        box.pose.centre[k] = (float)rng_between(r, -4, 4);
-        box.pose.half_extents[k] = i % 3 == 0 || (i % 3 == 1 && k > 0)
-                                       ? 0
-                                       : (float)rng_between(r, 0.05, i % 40 == 2 ? 4 : 0.6);
-        if (i % 4 == 0) {
-            box.pose.centre[k] = roundf(2 * box.pose.centre[k]) / 2;
-            box.pose.half_extents[k] = roundf(4 * box.pose.half_extents[k]) / 4;
-        }
-    }
-    if (i % 4 == 0)
-        box.radius = 0.25f;
-    if (i % 7 == 0)
-        box.radius = i % 14 == 0 ? 0 : 1e-7f;
-    return box;
-}
-
 // Every third ray goes along an axis between round numbers, so that it touches; some are short, and
 // some a point.
 static world *make_world(void)
@@ -53,7 +29,7 @@ static world *make_world(void)
     world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i) {
-        w->boxes[i] = draw_box(&r, i);
+        w->boxes[i] = draw_rounded(&r, i);
         memcpy(w->spheres[i].centre, w->boxes[i].pose.centre, sizeof w->spheres[i].centre);
         w->spheres[i].radius = w->boxes[i].radius;
     }
@@ -93,19 +69,12 @@ static void scale_world(world *w, float scale)
 
 // ---------------------------------------------------------------- long double
 
-typedef long double real;
-
 // From the core, at t of the ray.
 static real distance_at(const duet_ray *ray, const duet_rounded_box *box, uint32_t dims, real t)
 {
-    duet_pose pose = narrow_flat(&box->pose, dims);
-    const float *q = pose.rotation;
-    real x = q[0], y = q[1], z = q[2], s = q[3], n = x * x + y * y + z * z + s * s;
-    const real axis[3][3] = {
-        {(s * s + x * x - y * y - z * z) / n, 2 * (x * y + s * z) / n, 2 * (x * z - s * y) / n},
-        {2 * (x * y - s * z) / n, (s * s + y * y - x * x - z * z) / n, 2 * (y * z + s * x) / n},
-        {2 * (x * z + s * y) / n, 2 * (y * z - s * x) / n, (s * s + z * z - x * x - y * y) / n}};
-    real square = 0;
+    const duet_pose pose = narrow_flat(&box->pose, dims);
+    real axis[3][3], square = 0;
+    real_axes(axis, pose.rotation);
     for (uint32_t i = 0; i < dims; ++i) {
         real at = 0;
         for (uint32_t k = 0; k < dims; ++k)

@@ -17,39 +17,15 @@ typedef struct world {
     duet_rounded_sweep sweeps[SWEEPS];
 } world;
 
-// Boxes, capsules and spheres; some upright on round numbers, some without a radius, or with one
-// that is too small for float to see.
-static duet_rounded_box draw_box(rng *r, uint32_t i)
-{
-    duet_rounded_box box = {.radius = i % 9 == 0 ? 0 : (float)rng_between(r, 0.05, 0.5)};
-    for (int k = 0; k < 4; ++k) {
-        box.pose.rotation[k] = i % 4 == 0 ? k == 3 : (float)rng_normal(r);
-        if (k == 3)
-            break;
-        bool flat = i % 3 == 0 || (i % 3 == 1 && k > 0);
-        box.pose.centre[k] = (float)rng_between(r, -4, 4);
-        box.pose.half_extents[k] = flat ? 0 : (float)rng_between(r, 0.05, 0.6);
-        if (i % 4 == 0) {
-            box.pose.centre[k] = roundf(2 * box.pose.centre[k]) / 2;
-            box.pose.half_extents[k] = roundf(4 * box.pose.half_extents[k]) / 4;
-        }
-    }
-    if (i % 4 == 0)
-        box.radius = 0.25f;
-    if (i % 23 == 0)
-        box.radius = 1e-8f;
-    return box;
-}
-
 static world *make_world(void)
 {
     world *w = test_alloc(sizeof *w);
     rng r = rng_seed(test_seed());
     for (uint32_t i = 0; i < BOXES; ++i)
-        w->boxes[i] = draw_box(&r, i);
+        w->boxes[i] = draw_rounded(&r, i);
     for (uint32_t i = 0; i < SWEEPS; ++i) {
         duet_rounded_sweep *s = &w->sweeps[i];
-        s->box = draw_box(&r, 5 * i + i / 4);
+        s->box = draw_rounded(&r, 5 * i + i / 4);
         for (int k = 0; k < 3; ++k)
             s->direction[k] = i % 4 == 0 ? (k == (int)(i / 4 % 4)) : (float)rng_between(&r, -3, 3);
         s->t_max = i % 7 == 0 ? INFINITY : i % 4 == 0 ? (float)rng_below(&r, 4) : 1;
@@ -108,14 +84,6 @@ TEST(integers_agree_with_a_search_in_time)
             told += fabs(least) > 2e-5;
         }
     assert_true(met > SWEEPS / 8 && told > SWEEPS);
-}
-
-static duet_rounded_box round_at(double x, double y, double z, double hx, double hy, double hz,
-                                 double radius)
-{
-    return (duet_rounded_box){
-        {{(float)x, (float)y, (float)z}, {(float)hx, (float)hy, (float)hz}, {0, 0, 0, 1}},
-        (float)radius};
 }
 
 typedef struct known {
@@ -323,6 +291,19 @@ TEST(closest_and_any_are_of_every_hit)
     closest_and_any_are_of_every(tree, other, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS, BOXES);
 }
 
+// What moves among rounded boxes has the hits of what else both are, by another share.
+static void assert_same_hits(const world *w, duet_tree *tree, duet_object_kind kind,
+                             const void *sweeps)
+{
+    duet_tree *rounded = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
+    duet_sweep_query_result a = run_sweeps(open_sweep_query(rounded, DUET_QUERY_EVERY),
+                                           DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
+    duet_sweep_query_result b =
+        run_sweeps(open_sweep_query(tree, DUET_QUERY_EVERY), kind, sweeps, SWEEPS);
+    assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
+    assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
+}
+
 TEST(boxes_without_radii_have_the_hits_of_poses)
 {
     world *w = make_world();
@@ -338,14 +319,7 @@ TEST(boxes_without_radii_have_the_hits_of_poses)
         sweeps[i] = (duet_sweep){.box = s->box.pose, .t_max = s->t_max};
         memcpy(sweeps[i].direction, s->direction, sizeof s->direction);
     }
-    duet_tree *rounded = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
-    duet_tree *plain = open_tree(3, 0, poses, BOXES);
-    duet_sweep_query *one = open_sweep_query(rounded, DUET_QUERY_EVERY);
-    duet_sweep_query *other = open_sweep_query(plain, DUET_QUERY_EVERY);
-    duet_sweep_query_result a = run_sweeps(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
-    duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_POSES, sweeps, SWEEPS);
-    assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
-    assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
+    assert_same_hits(w, open_tree(3, DUET_SHARE_ONE / 3, poses, BOXES), DUET_OBJECT_POSES, sweeps);
 }
 
 static void scale_box(duet_rounded_box *box, float scale)
@@ -403,22 +377,16 @@ TEST(spheres_move_as_rounded_boxes)
         memcpy(sweeps[i].direction, s->direction, sizeof s->direction);
         s->box = rounded_of_sphere(&sweeps[i].sphere);
     }
-    duet_tree *rounded = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, w->boxes, BOXES);
     duet_tree *round =
         open_rounded_tree(3, DUET_SHARE_ONE / 3, DUET_OBJECT_SPHERES, spheres, BOXES);
-    duet_sweep_query *one = open_sweep_query(rounded, DUET_QUERY_EVERY);
-    duet_sweep_query *other = open_sweep_query(round, DUET_QUERY_EVERY);
-    duet_sweep_query_result a = run_sweeps(one, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS);
-    duet_sweep_query_result b = run_sweeps(other, DUET_OBJECT_SPHERES, sweeps, SWEEPS);
-    assert_true(a.n_hits == b.n_hits && a.n_hits > SWEEPS / 8);
-    assert_memory_equal(a.hits, b.hits, a.n_hits * sizeof *a.hits);
+    assert_same_hits(w, round, DUET_OBJECT_SPHERES, sweeps);
 }
 
 // ---------------------------------------------------------------- refusals
 
 TEST(what_is_no_sweep_of_the_shape_is_refused)
 {
-    const duet_rounded_box box = round_at(0, 0, 0, 1, 1, 1, 1);
+    const duet_rounded_box box = rounded_at(0, 0, 0, 1, 1, 1, 1);
     duet_rounded_sweep sweeps[2] = {{box, {1, 0, 0}, 1}, {box, {1, 0, 0}, 1}};
     duet_tree *tree = open_rounded_tree(3, 0, DUET_OBJECT_ROUNDED_BOXES, &box, 1);
     duet_sweep_query *query = open_sweep_query(tree, DUET_QUERY_EVERY);

@@ -82,10 +82,7 @@ static crowd *make_crowd(maker make, uint32_t dims, duet_shape shape, rng *r)
         .dims = dims, .shape = shape, .n = N, .poses = c->poses, .bounds = c->bounds};
     for (uint32_t i = 0; i < N; ++i) {
         c->poses[i] = make(r, i);
-        for (int k = 0; k < 3; ++k) {
-            c->bounds[i].lower[k] = c->poses[i].centre[k] - c->poses[i].half_extents[k];
-            c->bounds[i].upper[k] = c->poses[i].centre[k] + c->poses[i].half_extents[k];
-        }
+        c->bounds[i] = bounds_of_upright(&c->poses[i]);
     }
     return c;
 }

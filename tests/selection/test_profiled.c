@@ -48,8 +48,7 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     f.def.dims = 3;
     f.def.rotated = false;
     f.def.plan = duet_default_plan(f.pair);
-    strcpy(f.def.plan.variant_a, words);
-    strcpy(f.def.plan.variant_b, words);
+    set_variants(&f.def.plan, words);
     f.def.has_world = true;
     for (int k = 0; k < 3; ++k)
         f.def.upper[k] = 20;
@@ -173,24 +172,9 @@ TEST(a_plan_survives_being_stored)
 // Puts a profile into the store, as a tuner would.
 static void put_subject(const char *path, const profile_subject *p, const char *kernels)
 {
-    store *s = must(store_open(path, STORE_WRITE, ERR));
-    profile_row row = {
-        .kernels = kernels ? kernels : p->kernels,
-        .objective = "time",
-        .plan = test_plan(0.375),
-        .median_ns = 2e6,
-        .low_ns = 1e6,
-        .high_ns = 3e6,
-        .gain = 0.5,
-        .verdict = "faster",
-        .origin = "manual",
-        .trial_number = -1,
-    };
-    snprintf(row.plan.level, sizeof row.plan.level, "%s", p->workload.level);
-    must(profile_pair_put(s, &p->pair, &row.pair_id, ERR));
-    must(profile_workload_put(s, &p->workload, &row.workload_id, ERR));
-    must(profile_put(s, &row, NULL, "put again", NULL, ERR));
-    store_close(s);
+    profile_plan plan = test_plan(0.375);
+    snprintf(plan.level, sizeof plan.level, "%s", p->workload.level);
+    test_store_plan(path, &p->pair, &p->workload, kernels ? kernels : p->kernels, &plan);
 }
 
 static void put_for(const char *path, duet_world *world, const char *kernels)

@@ -39,24 +39,9 @@ static duet_plan plan_with(const char *settings)
 
 static void put(const char *path, const profile_subject *p, const char *settings)
 {
-    store *s = must(store_open(path, STORE_WRITE, ERR));
     duet_plan plan = plan_with(settings);
-    profile_row row = {
-        .kernels = p->kernels,
-        .objective = "time",
-        .plan = profile_subject_write_plan(&plan, p->workload.level),
-        .median_ns = 2e6,
-        .low_ns = 1e6,
-        .high_ns = 3e6,
-        .gain = 0.5,
-        .verdict = "faster",
-        .origin = "manual",
-        .trial_number = -1,
-    };
-    must(profile_pair_put(s, &p->pair, &row.pair_id, ERR));
-    must(profile_workload_put(s, &p->workload, &row.workload_id, ERR));
-    must(profile_put(s, &row, NULL, "put again", NULL, ERR));
-    store_close(s);
+    profile_plan stored = profile_subject_write_plan(&plan, p->workload.level);
+    test_store_plan(path, &p->pair, &p->workload, p->kernels, &stored);
 }
 
 static void put_for(const char *path, const mover *m, const char *settings)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A task as the profile store knows it: an application gets the plan that its kernel was tuned to.
+#include "support/store.h"
 #include "support/task_files.h"
 #include "support/test.h"
 
@@ -56,23 +57,8 @@ static void put(const char *n, double share, const char *variant)
     duet_plan plan = {.share = (uint32_t)(share * DUET_SHARE_ONE), .mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, variant);
     strcpy(plan.variant_b, variant);
-    profile_row row = {
-        .kernels = p.kernels,
-        .objective = "time",
-        .plan = profile_subject_write_plan(&plan, p.workload.level),
-        .median_ns = 2e6,
-        .low_ns = 1e6,
-        .high_ns = 3e6,
-        .gain = 0.5,
-        .verdict = "faster",
-        .origin = "manual",
-        .trial_number = -1,
-    };
-    store *s = must(store_open("store.db", STORE_WRITE, ERR));
-    must(profile_pair_put(s, &p.pair, &row.pair_id, ERR));
-    must(profile_workload_put(s, &p.workload, &row.workload_id, ERR));
-    must(profile_put(s, &row, NULL, "put again", NULL, ERR));
-    store_close(s);
+    profile_plan stored = profile_subject_write_plan(&plan, p.workload.level);
+    test_store_plan("store.db", &p.pair, &p.workload, p.kernels, &stored);
     duet_task_file_destroy(file);
 }
 

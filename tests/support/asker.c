@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "support/asker.h"
 
+#include "support/hits.h"
+#include "support/mover.h"
 #include "support/test.h"
+#include "support/trees.h"
 
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/queries/ray.h"
@@ -13,7 +16,7 @@ struct asker {
     duet_sweep_query *sweeps;
     duet_box_query *boxes;
     duet_point_query *inside, *nearest;
-    duet_pose *poses; // poses of the last question's bodies
+    duet_pose poses[MOVER_MOST]; // poses of the last question's bodies
     uint32_t n;
     uint64_t sum;
 };
@@ -47,46 +50,21 @@ questions questions_random(rng *r, uint32_t dims, double size)
 
 // ---------------------------------------------------------------- queries
 
-// Opens a query of the tree with a member of its def set.
-#define OPEN(a, at, kind, member, value)                           \
-    do {                                                           \
-        duet_error why = {0};                                      \
-        duet_##kind##_def of = duet_default_##kind##_def();        \
-        of.tree = (a)->tree;                                       \
-        of.member = value;                                         \
-        assert_ok((a)->at = duet_##kind##_create(&of, &why), why); \
-    } while (0)
-
 asker *asker_open(duet_device_pair *pair, uint32_t dims, uint32_t share)
 {
-    asker *a = calloc(1, sizeof *a);
+    asker *a = test_alloc(sizeof *a);
     duet_tree_def def = duet_default_tree_def();
     def.pair = pair;
     def.dims = dims;
     def.share = share;
-    a->tree = must(duet_tree_create(&def, ERR));
-    OPEN(a, rays, ray_query, wants, DUET_QUERY_EVERY);
-    OPEN(a, closest, ray_query, wants, DUET_QUERY_CLOSEST);
-    OPEN(a, sweeps, sweep_query, wants, DUET_QUERY_EVERY);
-    OPEN(a, boxes, box_query, level, DUET_LEVEL_CERTIFIED);
-    OPEN(a, inside, point_query, nearest, 0);
-    OPEN(a, nearest, point_query, nearest, ASKED_NEAREST);
+    a->tree = kept(duet_tree_create(&def, ERR));
+    a->rays = open_ray_query(a->tree, DUET_QUERY_EVERY, false);
+    a->closest = open_ray_query(a->tree, DUET_QUERY_CLOSEST, false);
+    a->sweeps = open_sweep_query(a->tree, DUET_QUERY_EVERY);
+    a->boxes = open_box_query(a->tree);
+    a->inside = open_point_query(a->tree, 0);
+    a->nearest = open_point_query(a->tree, ASKED_NEAREST);
     return a;
-}
-
-void asker_close(asker *a)
-{
-    if (!a)
-        return;
-    duet_ray_query_destroy(a->rays);
-    duet_ray_query_destroy(a->closest);
-    duet_sweep_query_destroy(a->sweeps);
-    duet_box_query_destroy(a->boxes);
-    duet_point_query_destroy(a->inside);
-    duet_point_query_destroy(a->nearest);
-    duet_tree_destroy(a->tree);
-    free(a->poses);
-    free(a);
 }
 
 static void add_bytes(asker *a, const void *bytes, size_t n)
@@ -95,80 +73,43 @@ static void add_bytes(asker *a, const void *bytes, size_t n)
         a->sum = (a->sum ^ ((const unsigned char *)bytes)[i]) * UINT64_C(0x100000001b3);
 }
 
-// Which objects an item meets, as the query says it and as the twin does.
-typedef struct verdicts {
-    uint8_t *found, *right; // [ASKED][n]
-} verdicts;
-
-static verdicts make_verdicts(const asker *a)
-{
-    size_t n = (size_t)ASKED * a->n + 1;
-    return (verdicts){calloc(n, 1), calloc(n, 1)};
-}
-
-static void assert_right(const asker *a, verdicts v, const char *kind)
-{
-    for (uint32_t i = 0; i < ASKED; ++i)
-        for (uint32_t id = 0; id < a->n; ++id)
-            if (v.found[i * a->n + id] != v.right[i * a->n + id])
-                fail_msg("%s %u and body %u: %d, and %d by the twin", kind, i, id,
-                         v.found[i * a->n + id], v.right[i * a->n + id]);
-    free(v.found);
-    free(v.right);
-}
-
 static void ask_rays(asker *a, const questions *q, bool twin)
 {
-    duet_ray_query_result every, first;
-    must(duet_ray_query_run(a->rays, q->rays, ASKED, &every, ERR));
-    must(duet_ray_query_run(a->closest, q->rays, ASKED, &first, ERR));
+    duet_ray_query_result every = cast_rays(a->rays, q->rays, ASKED);
+    duet_ray_query_result first = cast_rays(a->closest, q->rays, ASKED);
     add_bytes(a, every.hits, every.n_hits * sizeof *every.hits);
     add_bytes(a, first.hits, first.n_hits * sizeof *first.hits);
-    if (!twin)
-        return;
-    verdicts v = make_verdicts(a);
-    for (uint64_t k = every.n_hits; k-- > 0;) { // the first of a ray is its closest
-        const duet_ray_hit *hit = &every.hits[k];
-        ++v.found[hit->ray * a->n + hit->id];
-        if (k == 0 || every.hits[k - 1].ray != hit->ray)
-            assert_memory_equal(&first.hits[hit->ray], hit, sizeof *hit);
-    }
-    for (uint32_t i = 0; i < ASKED; ++i)
+    hit_list hits = HITS(every, a->n);
+    for (uint32_t i = 0; twin && i < ASKED; ++i) {
+        const duet_ray_hit *closest = take_hits(&hits, i);
+        if (closest)
+            assert_memory_equal(&first.hits[i], closest, sizeof *closest);
         for (uint32_t id = 0; id < a->n; ++id)
-            v.right[i * a->n + id] = ray_meets(&q->rays[i], &a->poses[id], q->dims);
-    assert_right(a, v, "ray");
+            expect_hit(&hits, i, id, ray_meets(&q->rays[i], &a->poses[id], q->dims));
+    }
+    assert_true(!twin || hits.left == 0);
 }
 
 static void ask_sweeps(asker *a, const questions *q, bool twin)
 {
-    duet_sweep_query_result every;
-    must(duet_sweep_query_run(a->sweeps, DUET_OBJECT_POSES, q->sweeps, ASKED, &every, ERR));
+    duet_sweep_query_result every = run_sweeps(a->sweeps, DUET_OBJECT_POSES, q->sweeps, ASKED);
     add_bytes(a, every.hits, every.n_hits * sizeof *every.hits);
-    if (!twin)
-        return;
-    verdicts v = make_verdicts(a);
-    for (uint64_t k = 0; k < every.n_hits; ++k)
-        ++v.found[every.hits[k].sweep * a->n + every.hits[k].id];
-    for (uint32_t i = 0; i < ASKED; ++i)
+    hit_list hits = HITS(every, a->n);
+    for (uint32_t i = 0; twin && i < ASKED; ++i)
         for (uint32_t id = 0; id < a->n; ++id)
-            v.right[i * a->n + id] = sweep_meets(&q->sweeps[i], &a->poses[id], q->dims);
-    assert_right(a, v, "sweep");
+            expect_hit(&hits, i, id, sweep_meets(&q->sweeps[i], &a->poses[id], q->dims));
+    assert_true(!twin || hits.left == 0);
 }
 
 static void ask_boxes(asker *a, const questions *q, bool twin)
 {
-    duet_box_query_result found;
-    must(duet_box_query_run(a->boxes, DUET_OBJECT_POSES, q->boxes, ASKED, &found, ERR));
+    duet_box_query_result found = join_boxes(a->boxes, DUET_OBJECT_POSES, q->boxes, ASKED);
     add_bytes(a, found.hits, found.n_hits * sizeof *found.hits);
-    if (!twin)
-        return;
-    verdicts v = make_verdicts(a);
-    for (uint64_t k = 0; k < found.n_hits; ++k)
-        ++v.found[found.hits[k].box * a->n + found.hits[k].id];
-    for (uint32_t i = 0; i < ASKED; ++i)
+    hit_list hits = HITS(found, a->n);
+    for (uint32_t i = 0; twin && i < ASKED; ++i)
         for (uint32_t id = 0; id < a->n; ++id)
-            v.right[i * a->n + id] = narrow_decide(&q->boxes[i], &a->poses[id], q->dims);
-    assert_right(a, v, "box");
+            expect_hit(&hits, i, id, narrow_decide(&q->boxes[i], &a->poses[id], q->dims));
+    assert_true(!twin || hits.left == 0);
 }
 
 static double distance_to(const duet_pose *box, const duet_point *p, uint32_t dims)
@@ -196,24 +137,19 @@ static uint32_t count_nearer(const asker *a, const duet_point *p, double distanc
 static void ask_points(asker *a, const questions *q, bool twin)
 {
     const double bound = 1e-4;
-    duet_point_query_result inside, near;
-    must(duet_point_query_run(a->inside, q->points, ASKED, &inside, ERR));
-    must(duet_point_query_run(a->nearest, q->points, ASKED, &near, ERR));
+    duet_point_query_result inside = seek_points(a->inside, q->points, ASKED);
     add_bytes(a, inside.hits, inside.n_hits * sizeof *inside.hits);
+    hit_list hits = HITS(inside, a->n);
+    for (uint32_t i = 0; twin && i < ASKED; ++i) {
+        const float *at = q->points[i].at;
+        const duet_ray still = {.origin = {at[0], at[1], at[2]}};
+        for (uint32_t id = 0; id < a->n; ++id)
+            expect_hit(&hits, i, id, ray_meets(&still, &a->poses[id], q->dims));
+    }
+    assert_true(!twin || hits.left == 0);
+    duet_point_query_result near = seek_points(a->nearest, q->points, ASKED);
     add_bytes(a, near.hits, near.n_hits * sizeof *near.hits);
-    if (!twin)
-        return;
-    verdicts v = make_verdicts(a);
-    for (uint64_t k = 0; k < inside.n_hits; ++k)
-        ++v.found[inside.hits[k].point * a->n + inside.hits[k].id];
-    for (uint32_t i = 0; i < ASKED; ++i)
-        for (uint32_t id = 0; id < a->n; ++id) {
-            const float *at = q->points[i].at;
-            const duet_ray still = {.origin = {at[0], at[1], at[2]}};
-            v.right[i * a->n + id] = ray_meets(&still, &a->poses[id], q->dims);
-        }
-    assert_right(a, v, "point");
-    for (uint64_t k = 0; k < near.n_hits; ++k) {
+    for (uint64_t k = 0; twin && k < near.n_hits; ++k) {
         const duet_point_hit *hit = &near.hits[k];
         const duet_point *p = &q->points[hit->point];
         uint32_t rank = (uint32_t)(k % ASKED_NEAREST);
@@ -230,10 +166,9 @@ static void ask_points(asker *a, const questions *q, bool twin)
 uint64_t asker_ask(asker *a, duet_motion *motion, const questions *q, bool twin)
 {
     a->n = duet_motion_get_count(motion);
-    free(a->poses);
-    a->poses = calloc((size_t)a->n + 1, sizeof *a->poses);
+    assert_true(a->n <= MOVER_MOST);
     must(duet_motion_get_poses(motion, a->poses, ERR));
-    must(duet_tree_set_objects(a->tree, DUET_OBJECT_POSES, a->poses, a->n, ERR));
+    set_poses(a->tree, a->poses, a->n);
     a->sum = UINT64_C(0xcbf29ce484222325);
     ask_rays(a, q, twin);
     ask_sweeps(a, q, twin);

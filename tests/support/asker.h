@@ -21,8 +21,8 @@ questions questions_random(rng *r, uint32_t dims, double size);
 
 typedef struct asker asker;
 
+// Lasts until the test ends.
 asker *asker_open(duet_device_pair *pair, uint32_t dims, uint32_t share);
-void asker_close(asker *a);
 
 // Asks where the motion's bodies are. A sum over the bits of all answers; with twin they are
 // compared with the twin's.

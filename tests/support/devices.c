@@ -3,6 +3,7 @@
 
 #include "support/test.h"
 
+#include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
 
 duet_device_pair *devices;
@@ -17,6 +18,27 @@ duet_device_pair *open_pair(const char *a, const char *b)
     return must(duet_device_pair_create(&def, ERR));
 }
 
+duet_device_pair *open_copying(bool copies)
+{
+    duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
+    for (int side = 0; side < 2; ++side)
+        pair->devices[side].info.host_memory &= !copies;
+    return pair;
+}
+
+const duet_device_info *cuttable_cpu(void)
+{
+    const device_root *roots = NULL;
+    uint32_t n = 0;
+    device_list_roots(&roots, &n, NULL);
+    for (uint32_t i = 0; i < n; ++i)
+        if (roots[i].info.can_cut)
+            return &roots[i].info;
+    print_message("no CPU here can be cut into parts\n");
+    skip();
+    return NULL;
+}
+
 duet_world *create_world(const duet_world_def *def)
 {
     return kept(duet_world_create(def, ERR));
@@ -29,11 +51,25 @@ void set_share(duet_world *world, uint32_t share)
     must(duet_world_set_plan(world, &plan, ERR));
 }
 
+void set_variants(duet_plan *plan, const char *variant)
+{
+    snprintf(plan->variant_a, sizeof plan->variant_a, "%s", variant);
+    snprintf(plan->variant_b, sizeof plan->variant_b, "%s", variant);
+}
+
 duet_result step_world(duet_world *world)
 {
     duet_result result;
     must(duet_world_step(world, &result, ERR));
     return result;
+}
+
+duet_rounded_box rounded_at(double x, double y, double z, double hx, double hy, double hz,
+                            double radius)
+{
+    return (duet_rounded_box){
+        {{(float)x, (float)y, (float)z}, {(float)hx, (float)hy, (float)hz}, {0, 0, 0, 1}},
+        (float)radius};
 }
 
 duet_pose cube_at(double x, double y, double z, double half)
@@ -55,6 +91,26 @@ void turn_at_random(duet_pose *pose, rng *r)
 {
     for (int k = 0; k < 4; ++k)
         pose->rotation[k] = (float)rng_normal(r);
+}
+
+duet_bounds bounds_of_upright(const duet_pose *pose)
+{
+    duet_bounds b;
+    for (int k = 0; k < 3; ++k) {
+        b.lower[k] = pose->centre[k] - pose->half_extents[k];
+        b.upper[k] = pose->centre[k] + pose->half_extents[k];
+    }
+    return b;
+}
+
+uint64_t reference_hash(const reference_objects *objects, reference_way way, uint64_t *n)
+{
+    reference_found found = {0};
+    must(reference_find(objects, way, &found, ERR));
+    uint64_t hash = duet_pairs_hash(found.pairs, found.n);
+    *n = found.n;
+    duet_free(found.pairs);
+    return hash;
 }
 
 uint64_t true_hash_of(duet_scene *scene)

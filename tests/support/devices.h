@@ -5,6 +5,7 @@
 
 #include "base/rng.h"
 #include "runtime/duet.h"
+#include "runtime/scene/reference.h"
 
 extern duet_device_pair *devices;
 
@@ -16,16 +17,28 @@ int close_devices(void **state);
 // destroys the pair; the world lasts until the test ends.
 duet_device_pair *open_pair(const char *a, const char *b);
 duet_world *create_world(const duet_world_def *def);
+
+// The default pair, which the test keeps. copies: its devices seem to have memory of their own.
+duet_device_pair *open_copying(bool copies);
+// A CPU that can be cut into parts; skips the test where there is none.
+const duet_device_info *cuttable_cpu(void);
 void set_share(duet_world *world, uint32_t share);
+void set_variants(duet_plan *plan, const char *variant); // both
 duet_result step_world(duet_world *world);
 
 // A cube whose edges are upright, and one of edge 1 anywhere in a range, turned anyhow.
+duet_rounded_box rounded_at(double x, double y, double z, double hx, double hy, double hz,
+                            double radius);
 duet_pose cube_at(double x, double y, double z, double half);
 duet_pose random_cube(rng *r, double from, double to);
 void turn_at_random(duet_pose *pose, rng *r);
+duet_bounds bounds_of_upright(const duet_pose *pose);
 
 // The hash of a scene's pairs by the plain C reference. Destroys the scene; NULL fails the test.
 uint64_t true_hash_of(duet_scene *scene);
+
+// The same of objects, found in a way. n: how many pairs they are.
+uint64_t reference_hash(const reference_objects *objects, reference_way way, uint64_t *n);
 
 // Whether the default device pair is two: halves of a CPU with one unit are that CPU, twice.
 bool devices_are_two(void);

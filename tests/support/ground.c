@@ -4,9 +4,11 @@
 
 const double ground_slop = 0.005;
 
-mover *ground_mover(void)
+mover *ground_mover(const duet_heights *heights, const duet_mesh *mesh)
 {
     mover *m = mover_new(3);
+    m->def.heights = heights;
+    m->def.mesh = mesh;
     m->def.gravity[2] = -9.81;
     m->def.slop = ground_slop;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_CONTINUOUS;
@@ -149,7 +151,8 @@ static void add_many_thrown(mover *m, uint64_t seed, uint32_t n)
         ground_add_thrown(m, &r, k % GROUND_KINDS);
 }
 
-uint64_t ground_hash(mover *m, uint32_t share, double skin, bool sleeps)
+// The hash of sixty bodies that were thrown, after 90 steps.
+static uint64_t hash_of(mover *m, uint32_t share, double skin, bool sleeps)
 {
     m->def.plan.share = share;
     m->def.skin = skin;
@@ -157,6 +160,26 @@ uint64_t ground_hash(mover *m, uint32_t share, double skin, bool sleeps)
     add_many_thrown(m, 11, 60);
     mover_run(m, 90);
     return mover_hash(m);
+}
+
+void ground_assert_same_bits(const duet_heights *h, const duet_mesh *mesh)
+{
+    uint64_t expected = hash_of(ground_mover(h, mesh), 0, 0, false);
+    assert_int_equal(hash_of(ground_mover(h, mesh), DUET_SHARE_ONE / 2, 0, false), expected);
+    assert_int_equal(hash_of(ground_mover(h, mesh), DUET_SHARE_ONE, 0.1, false), expected);
+    assert_int_equal(hash_of(ground_mover(h, mesh), 0, 0.3, false), expected);
+    assert_int_equal(hash_of(ground_mover(h, mesh), 0, 0.3, true),
+                     hash_of(ground_mover(h, mesh), DUET_SHARE_ONE / 3, 0.05, true));
+}
+
+void ground_assert_refused(const mover *m, const duet_heights *heights, const duet_mesh *mesh,
+                           const char *says)
+{
+    duet_motion_def def = m->def;
+    def.heights = heights;
+    def.mesh = mesh;
+    must_fail(duet_motion_create(&def, m->poses, m->bodies, m->n, ERR), DUET_STATUS_BAD_ARGUMENT,
+              says);
 }
 
 mover *ground_throw(mover *m, uint32_t steps)
@@ -201,40 +224,4 @@ void ground_assert_recorded(mover *m)
     must(duet_motion_save_recording(m->motion, "recorded", ERR));
     must(duet_motion_load(m->motion, "begin", ERR));
     must(ground_replay(m, ERR));
-}
-
-// ---------------------------------------------------------------- triangles, in double
-
-vector vector_less(vector a, vector b)
-{
-    return (vector){a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-double vector_dot(vector a, vector b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-// The distance from a point to a segment, squared.
-static double square_to_edge(vector p, vector a, vector b)
-{
-    vector along = vector_less(b, a), way = vector_less(p, a);
-    double t = fmax(0, fmin(1, vector_dot(way, along) / vector_dot(along, along)));
-    vector apart = {way.x - t * along.x, way.y - t * along.y, way.z - t * along.z};
-    return vector_dot(apart, apart);
-}
-
-// By the triangle's plane if the foot lies in it, else by its edges.
-double triangle_distance(vector p, const vector t[3])
-{
-    vector u = vector_less(t[1], t[0]), v = vector_less(t[2], t[0]), w = vector_less(p, t[0]);
-    double uu = vector_dot(u, u), uv = vector_dot(u, v), vv = vector_dot(v, v);
-    double wu = vector_dot(w, u), wv = vector_dot(w, v), det = uu * vv - uv * uv;
-    double a = (vv * wu - uv * wv) / det, b = (uu * wv - uv * wu) / det;
-    if (a >= 0 && b >= 0 && a + b <= 1) {
-        vector apart = {w.x - a * u.x - b * v.x, w.y - a * u.y - b * v.y, w.z - a * u.z - b * v.z};
-        return sqrt(vector_dot(apart, apart));
-    }
-    return sqrt(fmin(square_to_edge(p, t[0], t[1]),
-                     fmin(square_to_edge(p, t[1], t[2]), square_to_edge(p, t[2], t[0]))));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bodies of all shapes over a ground of either kind, and triangles in double.
+// Bodies of all shapes over a ground of either kind.
 #ifndef TESTS_GROUND_H
 #define TESTS_GROUND_H
 
@@ -7,8 +7,9 @@
 
 #include "base/rng.h"
 
-// A mover on which grounds are tested: gravity, a slop, contacts with response at any speed.
-mover *ground_mover(void);
+// A mover on which a ground is tested: gravity, a slop, contacts with response at any speed. One of
+// both is NULL, or both: there is no ground.
+mover *ground_mover(const duet_heights *heights, const duet_mesh *mesh);
 extern const double ground_slop;
 
 // Heights at places: level, a bowl, and at random from ground_drawn.
@@ -52,8 +53,13 @@ double ground_least_of(const duet_contact *c);
 // The least separation of each body from the ground, from what a step says; INFINITY: no contact.
 void ground_least_separations(mover *m, double *least);
 
-// The hash of sixty bodies that were thrown on a mover's ground, after 90 steps.
-uint64_t ground_hash(mover *m, uint32_t share, double skin, bool sleeps);
+// Fails unless sixty bodies that are thrown on a ground come to the same bits by any share and
+// skin.
+void ground_assert_same_bits(const duet_heights *heights, const duet_mesh *mesh);
+
+// Fails unless no motion like the mover's is made on this ground, with one line that has `says`.
+void ground_assert_refused(const mover *m, const duet_heights *heights, const duet_mesh *mesh,
+                           const char *says);
 
 // Throws thirty bodies on a mover's ground, which move for `steps`.
 mover *ground_throw(mover *m, uint32_t steps);
@@ -65,17 +71,5 @@ void ground_assert_saved(mover *m, mover *other);
 // compares the hash in the last.
 void ground_assert_recorded(mover *m);
 bool ground_replay(mover *m, duet_error *err);
-
-// ---------------------------------------------------------------- triangles, in double
-
-typedef struct vector {
-    double x, y, z;
-} vector;
-
-vector vector_less(vector a, vector b);
-double vector_dot(vector a, vector b);
-
-// The distance from a point to a triangle.
-double triangle_distance(vector p, const vector t[3]);
 
 #endif

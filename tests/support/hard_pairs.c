@@ -2,6 +2,7 @@
 #include "support/test.h"
 
 #include "support/hard_pairs.h"
+#include "support/real.h"
 
 #include "runtime/narrowphase/narrow.h"
 
@@ -21,14 +22,9 @@ static void set_halves(duet_pose *pose, rng *r, double from, double to)
 
 static double edge_direction(const duet_pose *pose, int edge, int along)
 {
-    double x = pose->rotation[0], y = pose->rotation[1], z = pose->rotation[2];
-    double w = pose->rotation[3];
-    const double m[3][3] = {
-        {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
-        {2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)},
-        {2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z},
-    };
-    return m[edge][along] / (w * w + x * x + y * y + z * z);
+    real axis[3][3];
+    real_axes(axis, pose->rotation);
+    return (double)axis[edge][along];
 }
 
 // A random point of the box, from its centre.

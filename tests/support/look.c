@@ -30,6 +30,25 @@ profile_found look_up(store *s, const profile_request *request)
     return found;
 }
 
+void look_assert_why(store *s, const profile_request *request, const char *says)
+{
+    profile_found found;
+    own(text) why = {0};
+    must(profile_lookup(s, request, &found, &why, ERR));
+    if (!strstr(text_chars(&why), says))
+        fail_msg("'%s' is not in:\n%s", says, text_chars(&why));
+}
+
+profile_found look_in_files(const char *user, const char *system, uint64_t n)
+{
+    profile_pair pair = test_pair();
+    profile_workload workload = test_workload(n);
+    profile_request request = test_request(&pair, &workload);
+    profile_found found;
+    must(profile_lookup_files(user, system, &request, &found, NULL, ERR));
+    return found;
+}
+
 profile_found look_for(look_fixture *f, const profile_pair *pair, uint64_t n)
 {
     profile_workload workload = test_workload(n);

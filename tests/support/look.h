@@ -16,6 +16,9 @@ look_fixture look_open(void); // its store is open until the test ends
 void look_tune(look_fixture *f, uint64_t n); // a session for the test's workload of n objects
 void look_change(look_fixture *f, const char *statements);
 
+void look_assert_why(store *s, const profile_request *request, const char *says);
+// What test_pair's application gets from two files; either may be NULL.
+profile_found look_in_files(const char *user, const char *system, uint64_t n);
 profile_found look_up(store *s, const profile_request *request);
 profile_found look_for(look_fixture *f, const profile_pair *pair, uint64_t n);
 

@@ -66,6 +66,13 @@ uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy,
     return m->n++;
 }
 
+uint32_t mover_add_fixed(mover *m, double x, double y, double z, double hx, double hy, double hz)
+{
+    uint32_t id = mover_add(m, x, y, z, hx, hy, hz);
+    m->bodies[id].mass = 0;
+    return id;
+}
+
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge)
 {
     return mover_add(m, x, y, z, edge / 2, edge / 2, edge / 2);
@@ -102,6 +109,14 @@ duet_energy mover_energy(mover *m)
     make(m);
     must(duet_motion_get_energy(m->motion, &energy, ERR));
     return energy;
+}
+
+bool mover_has_stage(const mover *m, const char *name)
+{
+    for (uint32_t i = 0; i < m->last.n_stages; ++i)
+        if (strcmp(m->last.stages[i].name, name) == 0)
+            return true;
+    return false;
 }
 
 double mover_speed(const mover *m, uint32_t id)
@@ -208,6 +223,16 @@ double mover_total(mover *m)
 {
     duet_energy e = mover_energy(m);
     return e.kinetic + e.turning + e.potential;
+}
+
+duet_pose mover_pose(const mover *m, uint32_t id)
+{
+    duet_pose pose = m->poses[id];
+    for (int k = 0; k < 4; ++k)
+        pose.rotation[k] = (float)m->states[id].rotation[k];
+    for (int k = 0; k < 3; ++k)
+        pose.centre[k] = (float)m->states[id].centre[k];
+    return pose;
 }
 
 uint64_t mover_hash(mover *m)

@@ -28,8 +28,9 @@ mover *mover_new(uint32_t dims);
 void mover_free(mover *m);
 
 // Adds a box at rest and returns its place; its body may be changed until the
-// first step.
+// first step. A fixed one has no mass.
 uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz);
+uint32_t mover_add_fixed(mover *m, double x, double y, double z, double hx, double hy, double hz);
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge);
 void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle);
 
@@ -50,7 +51,9 @@ void mover_run(mover *m, uint32_t steps);
 void mover_restart(mover *m); // forgets the motion
 duet_energy mover_energy(mover *m);
 uint64_t mover_hash(mover *m);
-double mover_total(mover *m); // energy of all kinds
+double mover_total(mover *m);                           // energy of all kinds
+duet_pose mover_pose(const mover *m, uint32_t id);      // in float, as mover_run read it
+bool mover_has_stage(const mover *m, const char *name); // in the last step
 double mover_speed(const mover *m, uint32_t id);
 double mover_greatest_speed(const mover *m);
 duet_tree *mover_tree(const mover *m);    // over the bodies as they are; lasts until the test ends

@@ -21,6 +21,15 @@ real real_dot(const real u[3], const real v[3])
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
+void real_axes(real axis[3][3], const float q[4])
+{
+    real x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / (x * x + y * y + z * z + w * w);
+    const real rows[3][3] = {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
+                             {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
+                             {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}};
+    memcpy(axis, rows, sizeof rows);
+}
+
 // ---------------------------------------------------------------- triangles
 
 real triangle_pass(const triangle *t, const duet_ray *ray)
@@ -63,16 +72,22 @@ int polygon_clip(real at[12][3], int n, const real inside[12])
 
 block block_of(const duet_pose *pose)
 {
-    const float *q = pose->rotation;
-    real x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / (x * x + y * y + z * z + w * w);
-    block b = {.axis = {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-                        {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
-                        {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
+    block b;
+    real_axes(b.axis, pose->rotation);
     for (int k = 0; k < 3; ++k) {
         b.centre[k] = pose->centre[k];
         b.half[k] = pose->half_extents[k];
     }
     return b;
+}
+
+void block_corner(const block *b, int which, real at[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        at[k] = b->centre[k];
+        for (int i = 0; i < 3; ++i)
+            at[k] += (which >> i & 1 ? 1 : -1) * b->half[i] * b->axis[i][k];
+    }
 }
 
 block block_moved(const duet_sweep *sweep, real t)

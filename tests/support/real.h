@@ -11,6 +11,9 @@ void real_less(real out[3], const real a[3], const real b[3]);
 void real_cross(real out[3], const real u[3], const real v[3]);
 real real_dot(const real u[3], const real v[3]);
 
+// The axes of what a rotation turns, which may have any length.
+void real_axes(real axis[3][3], const float rotation[4]);
+
 typedef struct triangle {
     real at[3][3];
 } triangle;
@@ -27,6 +30,7 @@ typedef struct block {
 } block;
 
 block block_of(const duet_pose *pose);
+void block_corner(const block *b, int which, real at[3]);
 
 // The box of a sweep at a time.
 block block_moved(const duet_sweep *sweep, real t);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes that tests put together.
+// Meshes that tests put together, and how far places are from their triangles, in double.
 #ifndef TESTS_SHAPE_H
 #define TESTS_SHAPE_H
 
@@ -21,7 +21,21 @@ uint32_t shape_vertex(shape *s, double x, double y, double z);
 void shape_triangle(shape *s, uint32_t a, uint32_t b, uint32_t c);
 void shape_quad(shape *s, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
 
+// Puts a triangle with vertices of its own.
+void shape_own_triangle(shape *s, double corners[3][3]);
+
 // Puts the triangles of a grid of n x n heights about 0, as a ground of heights divides its cells.
 void shape_grid(shape *s, uint32_t n, double spacing, double (*height)(double x, double y));
+
+typedef struct vector {
+    double x, y, z;
+} vector;
+
+vector vector_less(vector a, vector b);
+double vector_dot(vector a, vector b);
+
+// The distance from a point to a triangle, and to all of a mesh.
+double triangle_distance(vector p, const vector t[3]);
+double shape_distance(const shape *s, vector p);
 
 #endif

@@ -208,6 +208,48 @@ void test_tune_usual(store *s)
     test_tune(s, &pair, &workload);
 }
 
+void test_fill_out(store *s)
+{
+    profile_workload workload = test_workload(1000);
+    workload.level = "auto";
+    profile_level_cost_key key = {.pair_id = 1, .kernels = TEST_KERNELS};
+    const profile_level_cost costs[] = {{"certified", 2e6, 70, 0, 0}, {"sat15", 1.9e6, 70, 3, 9}};
+    must(profile_workload_put(s, &workload, &key.workload_id, ERR));
+    must(profile_level_costs_put(s, &key, costs, 2, ERR));
+    must(sql_script(s,
+                    "UPDATE profile SET true_pairs = 70, single_ns = 3e6, best_share = 9, "
+                    "best_mode = 'slab', terms = '{\"T_1\":1.5}', rounds = 20, whole_ns = 2e6, "
+                    "whole_gain = 0.1, whole_gain_low = 0.05, whole_gain_high = 0.2",
+                    ERR));
+}
+
+static void put_row(store *s, profile_row *row, const profile_workload *workload)
+{
+    must(profile_workload_put(s, workload, &row->workload_id, ERR));
+    must(profile_put(s, row, NULL, "put again", NULL, ERR));
+}
+
+void test_store_plan(const char *path, const profile_pair *pair, const profile_workload *workload,
+                     const char *kernels, const profile_plan *plan)
+{
+    store *s = test_store_open(path, STORE_WRITE);
+    profile_row row = {
+        .kernels = kernels,
+        .objective = "time",
+        .plan = *plan,
+        .median_ns = 2e6,
+        .low_ns = 1e6,
+        .high_ns = 3e6,
+        .gain = 0.5,
+        .verdict = "faster",
+        .origin = "manual",
+        .trial_number = -1,
+    };
+    must(profile_pair_put(s, pair, &row.pair_id, ERR));
+    put_row(s, &row, workload);
+    store_close(s);
+}
+
 void test_fill(store *s, uint32_t n)
 {
     profile_pair pair = test_pair();
@@ -224,8 +266,7 @@ void test_fill(store *s, uint32_t n)
     for (uint32_t i = 0; i < n; ++i) {
         profile_workload workload = test_workload(1000 + i);
         row.plan.share = i;
-        must(profile_workload_put(s, &workload, &row.workload_id, ERR));
-        must(profile_put(s, &row, NULL, "filled again", NULL, ERR));
+        put_row(s, &row, &workload);
     }
     must(store_end(s, true, ERR));
 }

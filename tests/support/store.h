@@ -3,6 +3,7 @@
 #ifndef TESTS_STORE_H
 #define TESTS_STORE_H
 
+#include "profiles/level_cost.h"
 #include "profiles/lookup.h"
 
 #define TEST_KERNELS "5b1d0c0ffee00000000000000000000000000000000000000000000000000001"
@@ -40,6 +41,11 @@ double test_time(int device, uint64_t n, double share);
 void test_tune(store *s, const profile_pair *pair, const profile_workload *workload);
 
 void test_tune_usual(store *s); // test_pair's, of 1000 objects
+void test_fill_out(store *s);   // a table of level costs, and all that a profile can have
+
+// Stores a plan that is faster by half, as a tuning would.
+void test_store_plan(const char *path, const profile_pair *pair, const profile_workload *workload,
+                     const char *kernels, const profile_plan *plan);
 
 // n profiles of the test's pair, for workloads of 1000 + i objects, with the
 // share i out of 65536.

@@ -42,6 +42,29 @@ duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kin
     return tree;
 }
 
+duet_rounded_box draw_rounded(rng *r, uint32_t i)
+{
+    duet_rounded_box box = {.radius = (float)rng_between(r, 0.1, 0.6)};
+    for (int k = 0; k < 4; ++k) {
+        box.pose.rotation[k] = i % 4 == 0 ? k == 3 : (float)rng_normal(r);
+        if (k == 3)
+            break;
+        box.pose.centre[k] = (float)rng_between(r, -4, 4);
+        box.pose.half_extents[k] = i % 3 == 0 || (i % 3 == 1 && k > 0)
+                                       ? 0
+                                       : (float)rng_between(r, 0.05, i % 40 == 2 ? 4 : 0.6);
+        if (i % 4 == 0) {
+            box.pose.centre[k] = roundf(2 * box.pose.centre[k]) / 2;
+            box.pose.half_extents[k] = roundf(4 * box.pose.half_extents[k]) / 4;
+        }
+    }
+    if (i % 4 == 0)
+        box.radius = 0.25f;
+    if (i % 7 == 0)
+        box.radius = i % 14 == 0 ? 0 : 1e-7f;
+    return box;
+}
+
 duet_ray_query *open_ray_query(duet_tree *tree, duet_query_wants wants, bool normals)
 {
     duet_ray_query_def def = duet_default_ray_query_def();

@@ -3,6 +3,7 @@
 #ifndef TESTS_TREES_H
 #define TESTS_TREES_H
 
+#include "base/rng.h"
 #include "runtime/duet.h"
 
 duet_tree *open_tree(uint32_t dims, uint32_t share, const duet_pose *poses, uint32_t n);
@@ -10,6 +11,9 @@ duet_tree *open_bounds_tree(uint32_t dims, uint32_t share, const duet_bounds *bo
 // Takes rounded boxes or spheres.
 duet_tree *open_rounded_tree(uint32_t dims, uint32_t share, duet_object_kind kind,
                              const void *objects, uint32_t n);
+// Draws boxes, capsules and spheres; some upright on round numbers, some without a radius, or with
+// one that is too small for float to see.
+duet_rounded_box draw_rounded(rng *r, uint32_t i);
 void set_poses(duet_tree *tree, const duet_pose *poses, uint32_t n);
 
 // Queries, and what they answer, valid until the query's next run.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A task in an application: its own numbers and arrays in, what plain C computes out, at any share.
 #define _POSIX_C_SOURCE 200809L
+#include "support/devices.h"
 #include "support/task_files.h"
 #include "support/test.h"
 
@@ -28,24 +29,14 @@ static void write_saxpy(void)
     test_write_file("saxpy.task.lua", saxpy);
 }
 
-// copies: on devices that seem to have memory of their own.
-static duet_device_pair *open_devices(bool copies)
-{
-    duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = must(duet_device_pair_create(&def, ERR));
-    for (int side = 0; side < 2; ++side)
-        pair->devices[side].info.host_memory &= !copies;
-    return pair;
-}
-
 // The task holds the pair.
 static duet_task *open_task(const char *path, bool copies)
 {
     duet_task_def def = duet_default_task_def();
-    def.pair = open_devices(copies);
+    def.pair = open_copying(copies);
     def.path = path;
     duet_task *t = must(duet_task_create(&def, ERR));
-    duet_device_pair_destroy(def.pair);
+    test_give_back(def.pair);
     return t;
 }
 
@@ -55,7 +46,7 @@ static duet_task *open_text(const char *text, bool copies)
     return open_task("t.task.lua", copies);
 }
 
-static void set_share(duet_task *t, double share)
+static void set_task_share(duet_task *t, double share)
 {
     duet_plan plan = *duet_task_get_plan(t);
     plan.share = (uint32_t)(share * DUET_SHARE_ONE);
@@ -103,7 +94,7 @@ static void saxpy_at_shares(bool copies)
         must(duet_task_set_number(t, "a", 3, ERR));
         set(t, "x", x, N);
         set(t, "y", y, N);
-        set_share(t, shares[s]);
+        set_task_share(t, shares[s]);
         for (int again = 1; again < 4; ++again) { // y goes on from what it was
             run(t);
             const float *got = get(t, "y", N);
@@ -147,7 +138,7 @@ static void count_at_shares(bool copies)
             ++right[x[i]];
         }
         set(t, "x", x, N);
-        set_share(t, shares[s]);
+        set_task_share(t, shares[s]);
         run(t);
         assert_memory_equal(get(t, "bins", 16), right, sizeof right);
     }
@@ -172,7 +163,7 @@ static void table_at_shares(bool copies)
         for (int i = 0; i < 14; ++i)
             table[i] = 100 * s + i;
         set(t, "table", table, 7);
-        set_share(t, shares[s]);
+        set_task_share(t, shares[s]);
         for (int again = 0; again < 2; ++again) {
             run(t);
             const int32_t *y = get(t, "y", N);
@@ -218,7 +209,7 @@ TEST(arguments_are_listed_by_name)
     write_saxpy();
     const duet_setting settings[] = {{"n", "12"}};
     duet_task_def def = duet_default_task_def();
-    def.pair = open_devices(false);
+    def.pair = open_copying(false);
     def.path = "saxpy.task.lua";
     def.settings = settings;
     def.n_settings = 1;
@@ -235,7 +226,7 @@ TEST(arguments_are_listed_by_name)
     assert_int_equal(y->bytes, 4);
     assert_null(duet_task_get_arg(t, 3));
     duet_task_destroy(t);
-    duet_device_pair_destroy(def.pair);
+    test_give_back(def.pair);
 }
 
 // Nothing says what is right here, and nothing is asked.
@@ -342,7 +333,7 @@ TEST(a_task_that_cannot_be_made_is_one_line)
     write_saxpy();
     task_files_write(".", "broken", "int *y\n", "y[i] = ;");
     duet_task_def def = duet_default_task_def();
-    def.pair = open_devices(false);
+    def.pair = open_copying(false);
     def.path = "t.task.lua";
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         test_write_file("t.task.lua", cases[i].text);
@@ -350,7 +341,7 @@ TEST(a_task_that_cannot_be_made_is_one_line)
     }
     def.path = "no.task.lua";
     must_fail(duet_task_create(&def, ERR), DUET_STATUS_NOT_FOUND, "no.task.lua");
-    duet_device_pair_destroy(def.pair);
+    test_give_back(def.pair);
 }
 
 int main(int argc, char **argv)

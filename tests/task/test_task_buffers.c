@@ -2,6 +2,7 @@
 // Arrays of a task in buffers of a program with OpenCL of its own: what plain C computes lies in
 // the buffers after a run, whichever devices know their context.
 #define _POSIX_C_SOURCE 200809L
+#include "support/own_program.h"
 #include "support/task_files.h"
 #include "support/test.h"
 
@@ -10,32 +11,14 @@
 
 enum { N = 1003, BINS = 16 };
 
-// The program's context with both halves of the CPU, or the CPU twice.
-static struct {
-    cl_device_id ids[2];
-    bool cut;
-    cl_context context, other;
-    cl_command_queue queues[2];
-} own;
+static cl_context other_context; // of the same device
 
 static int open_program(void **state)
 {
     (void)state;
-    const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
-                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-    cl_platform_id platform = NULL;
-    cl_device_id root = NULL;
-    cl_uint n = 0;
-    assert_int_equal(clGetPlatformIDs(1, &platform, NULL), CL_SUCCESS);
-    assert_int_equal(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 1, &root, NULL), CL_SUCCESS);
-    own.cut = clCreateSubDevices(root, halves, 2, own.ids, &n) == CL_SUCCESS && n == 2;
-    if (!own.cut)
-        own.ids[0] = own.ids[1] = root;
-    own.context = clCreateContext(NULL, own.cut ? 2 : 1, own.ids, NULL, NULL, NULL);
-    own.other = clCreateContext(NULL, 1, &root, NULL, NULL, NULL);
-    for (int i = 0; i < 2; ++i)
-        own.queues[i] = clCreateCommandQueue(own.context, own.ids[i], 0, NULL);
-    assert_true(own.context && own.other && own.queues[0] && own.queues[1]);
+    own_program_open();
+    other_context = clCreateContext(NULL, 1, &own.root, NULL, NULL, NULL);
+    assert_non_null(other_context);
     task_files_write(".", "blend",
                      "float a\nconst float *x\nconst float *w\nfloat *y\nfloat *z\n"
                      "uint *bins\n",
@@ -52,12 +35,8 @@ static int open_program(void **state)
 static int close_program(void **state)
 {
     (void)state;
-    for (int i = 0; i < 2; ++i)
-        clReleaseCommandQueue(own.queues[i]);
-    clReleaseContext(own.context);
-    clReleaseContext(own.other);
-    for (int i = 0; own.cut && i < 2; ++i)
-        clReleaseDevice(own.ids[i]);
+    clReleaseContext(other_context);
+    own_program_close();
     return 0;
 }
 
@@ -72,22 +51,13 @@ typedef struct buffers {
     cl_mem x, w, y, z, bins;
 } buffers;
 
-static cl_mem make_buffer(const void *bytes, size_t size, cl_mem_flags flags)
-{
-    cl_int code = 0;
-    cl_mem mem =
-        clCreateBuffer(own.context, flags | CL_MEM_COPY_HOST_PTR, size, (void *)bytes, &code);
-    assert_int_equal(code, CL_SUCCESS);
-    return mem;
-}
-
 static buffers make_buffers(const numbers *n)
 {
-    return (buffers){.x = make_buffer(n->x, sizeof n->x, CL_MEM_READ_ONLY),
-                     .w = make_buffer(n->w, sizeof n->w, CL_MEM_READ_ONLY),
-                     .y = make_buffer(n->y, sizeof n->y, CL_MEM_READ_WRITE),
-                     .z = make_buffer(n->z, sizeof n->z, CL_MEM_READ_WRITE),
-                     .bins = make_buffer(n->bins, sizeof n->bins, CL_MEM_READ_WRITE)};
+    return (buffers){.x = own_buffer(n->x, sizeof n->x, CL_MEM_READ_ONLY),
+                     .w = own_buffer(n->w, sizeof n->w, CL_MEM_READ_ONLY),
+                     .y = own_buffer(n->y, sizeof n->y, CL_MEM_READ_WRITE),
+                     .z = own_buffer(n->z, sizeof n->z, CL_MEM_READ_WRITE),
+                     .bins = own_buffer(n->bins, sizeof n->bins, CL_MEM_READ_WRITE)};
 }
 
 static void bind(duet_task *t, const buffers *b)
@@ -102,24 +72,17 @@ static void bind(duet_task *t, const buffers *b)
 // The task holds what it needs.
 static void release(buffers *b)
 {
-    clReleaseMemObject(b->x);
-    clReleaseMemObject(b->w);
-    clReleaseMemObject(b->y);
-    clReleaseMemObject(b->z);
-    clReleaseMemObject(b->bins);
+    test_give_back(b->x);
+    test_give_back(b->w);
+    test_give_back(b->y);
+    test_give_back(b->z);
+    test_give_back(b->bins);
 }
 
 static void read_buffer(cl_mem mem, void *to, size_t bytes)
 {
     assert_int_equal(clEnqueueReadBuffer(own.queues[0], mem, CL_TRUE, 0, bytes, to, 0, NULL, NULL),
                      CL_SUCCESS);
-}
-
-static cl_uint references(cl_mem mem)
-{
-    cl_uint n = 0;
-    clGetMemObjectInfo(mem, CL_MEM_REFERENCE_COUNT, sizeof n, &n, NULL);
-    return n;
 }
 
 // ---------------------------------------------------------------- what is right
@@ -200,16 +163,16 @@ static void run_in_buffers(duet_device_pair *pair)
         expect_on_host(t, "x", right.x, sizeof right.x);
         expect_on_host(t, "bins", right.bins, sizeof right.bins);
     }
-    assert_int_equal(references(b.z), 2);
+    assert_int_equal(own_references(b.z), 2);
     // from here on x and z are the host's
     must(duet_task_set_array(t, "z", right.z, N, ERR));
     must(duet_task_set_array(t, "x", right.x, N, ERR));
-    assert_int_equal(references(b.z), 1);
+    assert_int_equal(own_references(b.z), 1);
     run_at(t, 0.31);
     compute(&right);
     expect_on_host(t, "z", right.z, sizeof right.z);
     duet_task_destroy(t);
-    assert_int_equal(references(b.y), 1);
+    assert_int_equal(own_references(b.y), 1);
     release(&b);
 }
 
@@ -287,17 +250,15 @@ TEST(a_wrong_buffer_is_one_line)
     static const float zeros[N];
     duet_device_pair *pair = open_pair(NULL, own.queues[0], own.queues[1]);
     duet_task *t = open_task(pair);
-    cl_mem small = make_buffer(zeros, sizeof zeros - 4, CL_MEM_READ_WRITE);
-    cl_mem read_only = make_buffer(zeros, sizeof zeros, CL_MEM_READ_ONLY);
-    cl_mem elsewhere = clCreateBuffer(own.other, CL_MEM_READ_WRITE, sizeof zeros, NULL, NULL);
+    cl_mem small = own_buffer(zeros, sizeof zeros - 4, CL_MEM_READ_WRITE);
+    cl_mem read_only = own_buffer(zeros, sizeof zeros, CL_MEM_READ_ONLY);
+    cl_mem elsewhere = clCreateBuffer(other_context, CL_MEM_READ_WRITE, sizeof zeros, NULL, NULL);
     refused(t, "a", small, 0, "duet_task_set_buffer: a is a number; expected an array");
     refused(t, "x", NULL, 0, "duet_task_set_buffer: x is NULL");
     refused(t, "x", small, 0, "x has 4008 bytes; expected at least 4012");
     refused(t, "y", read_only, 0, "y cannot be written by devices");
     refused(t, "x", elsewhere, 0, "x is of another context");
     refused(t, "x", read_only, 1, "events is NULL");
-    clReleaseMemObject(small);
-    clReleaseMemObject(read_only);
     clReleaseMemObject(elsewhere);
     duet_task_destroy(t);
     duet_device_pair_destroy(pair);

@@ -2,6 +2,7 @@
 // A task that an application describes in C is the task that a file would have been, and needs
 // none.
 #define _POSIX_C_SOURCE 200809L
+#include "support/devices.h"
 #include "support/task_files.h"
 #include "support/test.h"
 
@@ -65,15 +66,6 @@ static duet_task_def make_def(void)
     return def;
 }
 
-static duet_device_pair *open_devices(bool copies)
-{
-    duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = kept(duet_device_pair_create(&def, ERR));
-    for (int side = 0; side < 2; ++side)
-        pair->devices[side].info.host_memory &= !copies;
-    return pair;
-}
-
 // ---------------------------------------------------------------- runs
 
 static void expect_run(duet_task *t)
@@ -89,7 +81,7 @@ TEST(a_program_without_files_runs_its_kernel)
     for (int copies = 0; copies < 2; ++copies)
         for (uint32_t share = 0; share <= 4; ++share) {
             duet_task_def def = make_def();
-            def.pair = open_devices(copies);
+            def.pair = open_copying(copies);
             def.plan.share = DUET_SHARE_ONE / 4 * share;
             expect_run(kept(duet_task_create(&def, ERR)));
         }
@@ -106,7 +98,7 @@ TEST(a_def_is_copied)
     list[0].type = type;
     list[0].access = access;
     duet_task_def def = make_def();
-    def.pair = open_devices(false);
+    def.pair = open_copying(false);
     def.kernel = kernel.name;
     def.kernels = &kernel;
     def.args = list;
@@ -133,7 +125,7 @@ static bool launch(const duet_task_def *def, duet_error *err)
     task_result r;
     const duet_plan plan = {.share = DUET_SHARE_ONE / 3, .variant_a = "auto", .variant_b = "auto"};
     task *t = must(duet_task_file_create(def, ERR));
-    task_launcher *l = task_launcher_open(t, open_devices(false), err);
+    task_launcher *l = task_launcher_open(t, open_copying(false), err);
     bool ok = l && task_launch(l, &plan, &r, err);
     task_launcher_close(l);
     duet_task_file_destroy(t);
@@ -214,7 +206,7 @@ TEST(a_carried_kernel_has_the_hash_of_its_files)
 {
     char of_files[65], of_texts[65];
     duet_task_def def = make_def();
-    duet_device_pair *pair = open_devices(false);
+    duet_device_pair *pair = open_copying(false);
     test_write_file("scale.lua", card);
     test_write_file("scale.cl", body);
     task *carried = must(duet_task_file_create(&def, ERR));
@@ -318,7 +310,7 @@ TEST(a_wrong_def_is_one_line)
 
 static void expect_none(duet_task_def *def, duet_status status, const char *says)
 {
-    def->pair = open_devices(false);
+    def->pair = open_copying(false);
     must_fail(duet_task_create(def, ERR), status, says);
 }
 

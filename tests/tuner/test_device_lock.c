@@ -9,11 +9,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static duet_device_pair *open_pair(void)
-{
-    return must(duet_device_pair_open(NULL, ERR));
-}
-
 // A process that holds the pair's devices until it is killed, and has them when this returns.
 static pid_t hold(const duet_tune_def *def)
 {
@@ -57,15 +52,27 @@ static bool watch(void *context, const duet_tune_progress *progress)
     return !w->stops;
 }
 
+static duet_tune_def def_of(waiting *w)
+{
+    duet_tune_def def = duet_default_tune_def();
+    def.pair = kept(duet_device_pair_open(NULL, ERR));
+    def.wait_seconds = 60;
+    def.watch = watch;
+    def.watch_context = w;
+    w->holder = hold(&def);
+    return def;
+}
+
+static void end_holder(const waiting *w)
+{
+    kill(w->holder, SIGKILL);
+    waitpid(w->holder, NULL, 0);
+}
+
 TEST(a_second_tuning_waits_for_the_end_of_the_first)
 {
     waiting w = {0};
-    duet_tune_def def = duet_default_tune_def();
-    def.pair = open_pair();
-    def.wait_seconds = 60;
-    def.watch = watch;
-    def.watch_context = &w;
-    w.holder = hold(&def);
+    duet_tune_def def = def_of(&w);
     device_lock lock;
     must(device_lock_take(&lock, &def, ERR));
     assert_int_equal(w.told, 1);
@@ -75,39 +82,27 @@ TEST(a_second_tuning_waits_for_the_end_of_the_first)
     must(device_lock_take(&lock, &def, ERR)); // it was given back
     assert_int_equal(w.told, 0);
     device_lock_release(&lock);
-    duet_device_pair_destroy(def.pair);
 }
 
 TEST(a_wait_is_stopped_by_the_watch)
 {
     waiting w = {.stops = true};
-    duet_tune_def def = duet_default_tune_def();
-    def.pair = open_pair();
-    def.wait_seconds = 60;
-    def.watch = watch;
-    def.watch_context = &w;
-    w.holder = hold(&def);
+    duet_tune_def def = def_of(&w);
     device_lock lock;
     must_fail(device_lock_take(&lock, &def, ERR), DUET_STATUS_INTERRUPTED, "");
     device_lock_release(&lock);
-    kill(w.holder, SIGKILL);
-    waitpid(w.holder, NULL, 0);
-    duet_device_pair_destroy(def.pair);
+    end_holder(&w);
 }
 
 TEST(a_tuning_that_does_not_wait_runs_beside_others)
 {
-    duet_tune_def def = duet_default_tune_def();
-    def.pair = open_pair();
-    def.wait_seconds = 60;
-    pid_t holder = hold(&def);
+    waiting w = {0};
+    duet_tune_def def = def_of(&w);
     def.wait_seconds = 0;
     device_lock lock;
     must(device_lock_take(&lock, &def, ERR));
     device_lock_release(&lock);
-    kill(holder, SIGKILL);
-    waitpid(holder, NULL, 0);
-    duet_device_pair_destroy(def.pair);
+    end_holder(&w);
 }
 
 TEST_MAIN(NULL, NULL)

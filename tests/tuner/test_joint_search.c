@@ -180,6 +180,17 @@ TEST(few_tunings_of_equal_devices_take_more_than_a_tenth_or_share_nothing)
     }
 }
 
+// On both devices all sets of parameters take half as much again, but for two.
+static void set_factors(kernel_pair *f, uint32_t one, double factor, uint32_t best)
+{
+    for (int device = 0; device < 2; ++device) {
+        for (uint32_t c = 0; c < KERNEL_PAIR_CONFIGS; ++c)
+            f->factor[device][c] = 1.5;
+        f->factor[device][one] = factor;
+        f->factor[device][best] = 1;
+    }
+}
+
 // One set of parameters takes 15 % less than the default one, and all others take half as much
 // again. No race of two dozen rounds is 99 % sure of that at such noise, but it mostly shows which
 // is the better.
@@ -191,12 +202,7 @@ TEST(a_set_that_takes_much_less_is_mostly_found_where_times_scatter)
     for (int i = 0; i < TIMES; ++i) {
         kernel_pair_invent(&f);
         f.slower = 0.5;
-        for (int device = 0; device < 2; ++device) {
-            for (uint32_t c = 0; c < KERNEL_PAIR_CONFIGS; ++c)
-                f.factor[device][c] = 1.5;
-            f.factor[device][f.space.now] = 1.15;
-            f.factor[device][BETTER] = 1;
-        }
+        set_factors(&f, f.space.now, 1.15, BETTER);
         duet_tune_outcome o = tune_fake(&f, "balance");
         kept[0] += kernel_pair_config(&f, o.plan.variant_a) != BETTER;
         kept[1] += kernel_pair_config(&f, o.plan.variant_b) != BETTER;
@@ -244,12 +250,7 @@ TEST(equal_devices_get_the_kernels_that_are_best_while_both_work)
     for (int i = 0; i < TIMES; ++i) {
         kernel_pair_invent(&f);
         f.slower = 1;
-        for (int device = 0; device < 2; ++device) {
-            for (uint32_t c = 0; c < KERNEL_PAIR_CONFIGS; ++c)
-                f.factor[device][c] = 1.5;
-            f.factor[device][BEST] = 1.1;
-            f.factor[device][ALONE] = 1;
-        }
+        set_factors(&f, BEST, 1.1, ALONE);
         f.crowded[ALONE] = 0.3;
         duet_tune_outcome o = tune_fake(&f, "balance");
         assert_true(o.plan.share > 0 && o.plan.share < DUET_SHARE_ONE);

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/test.h"
 
+#include "base/compare.h"
 #include "profiles/exchange.h"
 #include "support/store.h"
 #include "tuner/replay.h"
@@ -313,19 +314,13 @@ TEST(the_same_seed_gives_the_same_tuning)
     free(surface);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median_loss(replay *r, const char *name)
 {
     enum { RUNS = 51 };
     double losses[RUNS];
     for (uint64_t seed = 0; seed < RUNS; ++seed)
         losses[seed] = run(r, name, seed).loss;
-    qsort(losses, RUNS, sizeof *losses, by_value);
+    qsort(losses, RUNS, sizeof *losses, compare_double);
     return losses[RUNS / 2];
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "base/compare.h"
 #include "support/any_strategy.h"
 #include "support/program.h"
 #include "support/simulated_pair.h"
@@ -177,12 +178,6 @@ TEST(balance_is_within_1_percent_in_9_launches_without_noise)
     }
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 TEST(balance_is_within_3_percent_on_average_in_16_noisy_launches)
 {
     enum { N_PAIRS = 300 };
@@ -204,7 +199,7 @@ TEST(balance_is_within_3_percent_on_average_in_16_noisy_launches)
             mean += off[i] / (3 * N_PAIRS);
             search_end(&s);
         }
-        qsort(off, N_PAIRS, sizeof *off, by_value);
+        qsort(off, N_PAIRS, sizeof *off, compare_double);
         p95 += off[N_PAIRS * 95 / 100] / 3;
     }
     print_message("mean %.2f %%, 95th percentile %.2f %%\n", 100 * mean, 100 * p95);
