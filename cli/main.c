@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The program `duet`: finds the subcommand and ends with its exit status,
 // which is 0 if it did what was asked, 1 if that failed, and 2 if the
-// command line was wrong; a shell shows 130 where Ctrl-C ended it.
+// command line was wrong. Once a signal has asked it to stop it ends by that signal, which a shell
+// shows as 130 (SIGINT, Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP).
 #define _POSIX_C_SOURCE 200809L
 #include "base/nearest.h"
 #include "cli/commands.h"

@@ -204,7 +204,7 @@ local function man_page(page, pages, main, examples)
   add(entry(bold "0", "It did what was asked."))
   add(entry(bold "1", "It failed, and one line on stderr says what, where and why; or duet bench --against found something slower."))
   add(entry(bold "2", "The command line is wrong."))
-  add(entry(bold "130", "Ctrl-C stopped it; what was measured until then is kept."))
+  add(entry(bold "130", "Ctrl-C stopped it; what was measured until then is kept. The program ends by the signal, so that SIGTERM shows as 143 and SIGHUP as 129."))
   section "SEE ALSO"
   local names = related(page, pages)
   for i, name in ipairs(names) do

@@ -149,6 +149,9 @@ static bool spawn(job *j, duet_error *err)
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
     if (!j->what->reads_stdin)
         posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (j->what->output)
+        posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, j->what->output,
+                                         O_WRONLY | O_CREAT | O_TRUNC, 0666);
     interrupt_pass(true);
     int code = posix_spawnp(&j->mpirun, j->what->argv[0], &actions, NULL, j->what->argv, environ);
     interrupt_pass(false);

@@ -31,10 +31,11 @@ enum { MPIRUN_BEGUN = 0x06, MPIRUN_STOPPED = 0x18 };
 int mpirun_connect(void);
 
 typedef struct mpirun_job {
-    char **argv;       // mpirun's, itself first, and NULL last
-    const char *hosts; // machines that it is to reach; NULL: this one
-    bool reads_stdin;  // which is else left to who called
-    bool verbose;      // mpirun tells of ranks that fail, too
+    char **argv;        // mpirun's, itself first, and NULL last
+    const char *hosts;  // machines that it is to reach; NULL: this one
+    const char *output; // a file that takes what the ranks print; NULL: stdout
+    bool reads_stdin;   // which is else left to who called
+    bool verbose;       // mpirun tells of ranks that fail, too
 } mpirun_job;
 
 // *status becomes the ranks' exit status; if it is not 0, a rank has printed why. False, with a

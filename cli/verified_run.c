@@ -5,6 +5,8 @@
 #include "cli/say.h"
 #include "runtime/commands/kept_motion.h"
 
+#include <inttypes.h>
+
 // A motion in which nothing happens has no plan.
 static void choose_plan(verified_run *r)
 {
@@ -91,6 +93,10 @@ duet_plan verified_run_plan(const verified_run *r)
 
 void verified_run_tell(const verified_run *r, text *to)
 {
+    if (r->ranks > 0) {
+        text_add(to, "%" PRIu64 " %s", r->ranks, r->ranks == 1 ? "rank" : "ranks");
+        return;
+    }
     duet_plan plan = verified_run_plan(r);
     const char *a = duet_device_pair_get_info(r->pair, 0)->selector;
     const char *b = duet_device_pair_get_info(r->pair, 1)->selector;

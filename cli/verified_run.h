@@ -9,6 +9,7 @@
 #include "runtime/commands/replay.h"
 
 typedef struct verified_run {
+    uint64_t ranks; // of a job that makes its steps (verified_jobs.h); 0: none, the motion does
     const char *selectors; // in the form of --pair; NULL: the default pair
     plan_options plan;
     const char *path; // a recording; NULL: no commands
@@ -42,7 +43,8 @@ bool verified_run_sum(verified_run *r, duet_error *err);
 // The plan of its searches. A motion that finds no pairs has the default plan, and B does all.
 duet_plan verified_run_plan(const verified_run *r);
 
-// Adds "pocl:0[0],pocl:0[1] (share 0.5, slab)", or the selector of a device that does all.
+// Adds "pocl:0[0],pocl:0[1] (share 0.5, slab)", or the selector of a device that does all, or
+// "3 ranks".
 void verified_run_tell(const verified_run *r, text *to);
 
 #endif

@@ -168,8 +168,8 @@ static void measure_rows(moving *m)
 {
     const duet_motion *first = m->domains[0].motion;
     m->def = first->def; // whose ground is a copy
-    m->every = moving_allowed_every(m, first->plan.colours > 0 ? first->plan.colours : 1);
-    m->trial.is_fixed = first->plan.colours > 0 || moving_allowed_every(m, UINT32_MAX) == 1;
+    m->every = first->plan.colours > 0 ? first->plan.colours : 1;
+    m->trial.is_fixed = first->plan.colours > 0;
     m->least_inner = m->ranks->n_on_host < m->ranks->n ? LEAST_INNER : LEAST_INNER_ON_HOST;
     m->traveller_bytes = sizeof(moving_traveller) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);

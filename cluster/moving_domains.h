@@ -209,9 +209,6 @@ uint32_t moving_place(const moving_domain *d, uint32_t id);
 // The same of a contact's end, which may be a wall or the ground.
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
 
-// The colours after which ghosts come at the latest, of those that were asked for.
-uint32_t moving_allowed_every(const moving *m, uint32_t every);
-
 // The place of the body that carries the mesh; UINT32_MAX: it is not here yet, or there is none.
 uint32_t moving_carrier_place(const moving *m, const moving_domain *d);
 

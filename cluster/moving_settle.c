@@ -3,7 +3,6 @@
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"
-#include "runtime/bodies/ground_def.h"
 
 // ---------------------------------------------------------------- bodies
 
@@ -363,13 +362,6 @@ bool moving_settle(moving *m, duet_error *own)
     return ok;
 }
 
-// On a mesh that is carried and turns, bodies with rolling resistance got other bits where contacts
-// of ghosts are solved, too.
-uint32_t moving_allowed_every(const moving *m, uint32_t every)
-{
-    return ground_def_carrier(&m->def) > 0 ? 1 : every;
-}
-
 uint32_t moving_get_every(const moving *m)
 {
     return m->every;
@@ -383,9 +375,8 @@ const every_trial *moving_get_trial(const moving *m)
 // Ghosts lie deeper for more colours, and contacts of two of them are as at home after an exchange.
 bool moving_set_every(moving *m, uint32_t every, duet_error *own)
 {
-    const uint32_t allowed = moving_allowed_every(m, every);
-    bool is_new = m->every != allowed;
-    m->every = allowed;
+    bool is_new = m->every != every;
+    m->every = every;
     m->trial = (every_trial){.is_fixed = true};
     return !is_new || m->n_domains == 1 || moving_settle(m, own);
 }

@@ -3,6 +3,18 @@
 
 #include "base/error.h"
 #include "cli/difference.h"
+#include "runtime/commands/recording.h"
+#include "runtime/commands/replay.h"
+
+// A motion that went on from a file was given the commands of its steps.
+static bool open_replay(rank_check *c, const char *path, duet_error *err)
+{
+    const replay_begin begin = {.dims = duet_motion_get_def(c->one)->dims,
+                                .step = duet_motion_get_step(c->one),
+                                .ground = recorded_ground_sum(c->one)};
+    c->replay = duet_replay_create(path, err);
+    return c->replay && (begin.step == 0 || replay_pass(c->replay, &begin, err));
+}
 
 static bool begin_one(rank_check *c, const moving_start *start, const char *replay, duet_error *err)
 {
@@ -14,8 +26,7 @@ static bool begin_one(rank_check *c, const moving_start *start, const char *repl
     duet_scene_destroy(scene);
     if (!c->one || (start->resume && !duet_motion_load(c->one, start->resume, err)))
         return false;
-    c->replay = replay ? duet_replay_create(replay, err) : NULL;
-    return c->replay || !replay;
+    return !replay || open_replay(c, replay, err);
 }
 
 bool rank_check_begin(rank_check *c, ranks *r, moving *motion, const moving_start *start,

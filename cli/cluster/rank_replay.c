@@ -15,14 +15,14 @@ static bool read_file(rank_replay *r, uint64_t steps, duet_error *own)
     r->file = duet_replay_create(r->path, own);
     const duet_replay_info info = duet_replay_get_info(r->file);
     r->n = info.commands;
-    r->steps_left = info.steps;
     return r->file && (steps <= info.steps ||
                        error_set(own, DUET_STATUS_BAD_ARGUMENT,
                                  "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps", steps,
                                  r->path, info.steps));
 }
 
-static bool check_begin(const rank_replay *r, uint64_t hash, duet_error *own)
+// A motion that goes on from a file has steps, whose commands it was given.
+static bool check_begin(rank_replay *r, uint64_t hash, duet_error *own)
 {
     const moving_counts counts = moving_get_counts(r->cluster->moving);
     const replay_begin begin = {.n = (uint32_t)counts.bodies,
@@ -31,7 +31,12 @@ static bool check_begin(const rank_replay *r, uint64_t hash, duet_error *own)
                                 .hash = hash,
                                 .ground =
                                     recorded_ground_sum(moving_get_motion(r->cluster->moving, 0))};
-    return replay_check_begin(r->file, &begin, own);
+    if (counts.step > 0 ? !replay_pass(r->file, &begin, own)
+                        : !replay_check_begin(r->file, &begin, own))
+        return false;
+    r->n_given = replay_get_place(r->file).commands_done;
+    r->steps_left = duet_replay_get_info(r->file).steps - counts.step;
+    return true;
 }
 
 bool rank_replay_begin(rank_replay *r, duet_cluster *cluster, const char *path, uint64_t steps,
@@ -45,9 +50,12 @@ bool rank_replay_begin(rank_replay *r, duet_cluster *cluster, const char *path, 
     if (!ranks_agree(all, all->self > 0 || read_file(r, steps, err), err) ||
         !duet_cluster_get_state_hash(cluster, &hash, err))
         return false;
+    if (!ranks_agree(all, all->self > 0 || check_begin(r, hash, err), err))
+        return false;
     ranks_broadcast(all, &r->n, sizeof r->n);
+    ranks_broadcast(all, &r->n_given, sizeof r->n_given);
     ranks_broadcast(all, &r->steps_left, sizeof r->steps_left);
-    return ranks_agree(all, all->self > 0 || check_begin(r, hash, err), err);
+    return true;
 }
 
 void rank_replay_end(rank_replay *r)

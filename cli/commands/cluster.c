@@ -8,7 +8,6 @@
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
-#include "cli/mpirun.h"
 #include "cli/say.h"
 
 #include <errno.h>
@@ -72,7 +71,6 @@ static const option_rule rules[] = {
     {"sorted", OPTION_NEEDS, "pairs"},
     {"every", OPTION_NEEDS, "checkpoint"},
     {"checkpoint resume picture frames tune-colours replay phases", OPTION_NEEDS, "steps"},
-    {"checkpoint resume", OPTION_EXCLUDES, "replay"},
     {"share mode variant variant-a variant-b", OPTION_EXCLUDES, "tune-colours"},
     {"frames", OPTION_NEEDS, "format"},
     {"format", OPTION_NEEDS, "frames"},
@@ -163,42 +161,47 @@ static bool find_beside(text *path, const beside *program, duet_error *err)
                      program->lacking);
 }
 
+static int count(char *const *words)
+{
+    int n = 0;
+    while (words[n])
+        ++n;
+    return n;
+}
+
+// The words of `begin` and then those of `end`; each ends with NULL.
+static char **join(char *const *begin, char *const *end, duet_error *err)
+{
+    const int n = count(begin), more = count(end);
+    char **argv = calloc((size_t)(n + more + 1), sizeof *argv);
+    if (!argv)
+        return error_null(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
+    memcpy(argv, begin, (size_t)n * sizeof *argv);
+    memcpy(argv + n, end, (size_t)more * sizeof *argv);
+    return argv;
+}
+
 typedef struct launch {
     arguments args; // first: the table of options fills it
     const char *scene;
     char **argv;
-    int argc;
     int status; // the status of ranks that have told why
 } launch;
 
-// The command line behind `begin`, which ends with NULL.
-static char **make_argv(const launch *l, char *const *begin, duet_error *err)
-{
-    int n = 0;
-    while (begin[n])
-        ++n;
-    char **argv = calloc((size_t)(n + l->argc), sizeof *argv);
-    n = 0;
-    if (!argv)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
-    while (*begin)
-        argv[n++] = *begin++;
-    for (int i = 1; i < l->argc; ++i)
-        argv[n++] = l->argv[i];
-    return argv;
-}
-
 // Comes back only where it fails.
-static bool become(launch *l, char *program, duet_error *err)
+static bool become(const launch *l, const beside *what, duet_error *err)
 {
-    char *begin[] = {program, NULL};
-    char **argv = make_argv(l, begin, err);
-    if (!argv)
-        return false;
-    interrupt_pass(true);
-    execv(program, argv);
-    error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", program, strerror(errno));
+    text program = {0};
+    bool found = find_beside(&program, what, err);
+    char *begin[] = {program.chars, NULL};
+    char **argv = found ? join(begin, l->argv + 1, err) : NULL;
+    if (argv) {
+        interrupt_pass(true);
+        execv(program.chars, argv);
+        error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", program.chars, strerror(errno));
+    }
     free(argv);
+    text_free(&program);
     return false;
 }
 
@@ -210,30 +213,50 @@ static bool is_stdin(const char *path)
                                       named.st_dev == own.st_dev && named.st_ino == own.st_ino);
 }
 
-static bool start_ranks(launch *l, char *program, duet_error *err)
+static bool run_by_mpirun(mpirun_job *job, uint64_t ranks, char *program, char *const *words,
+                          int *status, duet_error *err)
 {
-    char mpirun[] = "mpirun", flag[] = "-n", ranks[24];
+    char mpirun[] = "mpirun", flag[] = "-n", number[24];
     char host[] = "--host", map[] = "--map-by", node[] = "node", send[] = "-x";
-    char started[] = MPIRUN_STARTED, *hosts = (char *)l->args.hosts;
-    char *here[] = {mpirun, flag, ranks, program, NULL};
-    char *there[] = {mpirun, flag, ranks, host, hosts, map, node, send, started, program, NULL};
-    snprintf(ranks, sizeof ranks, "%llu", (unsigned long long)l->args.ranks);
-    mpirun_job job = {.hosts = hosts, .verbose = l->args.verbose};
-    job.reads_stdin = is_stdin(l->scene);
-    job.argv = make_argv(l, hosts ? there : here, err);
-    bool ok = job.argv && mpirun_run(&job, &l->status, err);
-    free(job.argv);
+    char started[] = MPIRUN_STARTED, *hosts = (char *)job->hosts;
+    char *here[] = {mpirun, flag, number, program, NULL};
+    char *there[] = {mpirun, flag, number, host, hosts, map, node, send, started, program, NULL};
+    snprintf(number, sizeof number, "%llu", (unsigned long long)ranks);
+    job->argv = join(hosts ? there : here, words, err);
+    bool ok = job->argv && mpirun_run(job, status, err);
+    free(job->argv);
+    job->argv = NULL;
+    return ok;
+}
+
+bool cluster_run(mpirun_job *job, uint64_t ranks, char *const *words, int *status, duet_error *err)
+{
+    text program = {0};
+    bool ok = find_beside(&program, &rank_program, err) &&
+              run_by_mpirun(job, ranks, program.chars, words, status, err);
+    text_free(&program);
     return ok;
 }
 
 static bool start(launch *l, duet_error *err)
 {
-    text program = {0};
-    bool simulates = l->args.simulate;
-    bool ok = find_beside(&program, simulates ? &simulating_program : &rank_program, err) &&
-              (l->args.ranks > 0 && !simulates ? start_ranks : become)(l, program.chars, err);
-    text_free(&program);
-    return ok;
+    mpirun_job job = {.hosts = l->args.hosts, .verbose = l->args.verbose};
+    if (l->args.simulate)
+        return become(l, &simulating_program, err);
+    if (l->args.ranks == 0)
+        return become(l, &rank_program, err);
+    job.reads_stdin = is_stdin(l->scene);
+    return cluster_run(&job, l->args.ranks, l->argv + 1, &l->status, err);
+}
+
+bool cluster_may_start(duet_error *err)
+{
+    unsigned long rank = 0, n_ranks = 0;
+    return !cluster_job(&rank, &n_ranks) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
+                     "mpirun and --ranks",
+                     rank, n_ranks);
 }
 
 static bool run(void *given, char **operands, duet_error *err)
@@ -241,14 +264,9 @@ static bool run(void *given, char **operands, duet_error *err)
     launch *l = given;
     duet_plan plan = duet_default_plan(NULL);
     duet_level level;
-    unsigned long rank = 0, n_ranks = 0;
     l->scene = operands[0];
-    if (l->args.ranks > 0 && cluster_job(&rank, &n_ranks))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
-                         "mpirun and --ranks",
-                         rank, n_ranks);
-    return inputs_change_plan(&l->args.plan, NULL, NULL, &plan, err) &&
+    return (l->args.ranks == 0 || cluster_may_start(err)) &&
+           inputs_change_plan(&l->args.plan, NULL, NULL, &plan, err) &&
            inputs_read_level(l->args.level, &level, err) && start(l, err);
 }
 
@@ -258,7 +276,7 @@ int command_cluster(int argc, char **argv)
 {
     unsigned long rank = 0, n_ranks = 0;
     duet_error err = {0};
-    launch l = {.args = CLUSTER_ARGUMENTS_DEFAULT, .argc = argc};
+    launch l = {.args = CLUSTER_ARGUMENTS_DEFAULT};
     l.argv = calloc((size_t)argc + 1, sizeof *l.argv);
     if (!l.argv) {
         error_set(&err, DUET_STATUS_NO_MEMORY, "the command line: no memory");

@@ -5,6 +5,7 @@
 #define CLI_COMMANDS_CLUSTER_H
 
 #include "cli/inputs.h"
+#include "cli/mpirun.h"
 
 typedef struct cluster_arguments {
     scene_options scene;
@@ -47,5 +48,12 @@ extern const command_line cluster_line;
 
 // Which rank of an MPI job this process is, by what its launcher says; false for none.
 bool cluster_job(unsigned long *rank, unsigned long *n_ranks);
+
+// Refuses --ranks on a rank of an MPI job.
+bool cluster_may_start(duet_error *err);
+
+// Runs `ranks` ranks of the program duet-cluster, with these words behind it, NULL last, by
+// mpirun_run: the job has all but argv.
+bool cluster_run(mpirun_job *job, uint64_t ranks, char *const *words, int *status, duet_error *err);
 
 #endif

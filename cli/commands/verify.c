@@ -3,23 +3,29 @@
 // what differed first.
 //
 // States are compared each so many steps, and kept where they are equal. Once they differ both runs
-// go back to what was kept, and then half of the steps in between, until one step is left.
+// go back to what was kept, and then half of the steps in between, until one step is left. Over
+// ranks jobs make the steps, and the runs' motions hold what is told of their states.
 #include "cli/commands.h"
 
 #include "base/error.h"
+#include "cli/commands/cluster.h"
 #include "cli/difference.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
 #include "cli/report/table.h"
 #include "cli/say.h"
+#include "cli/verified_jobs.h"
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 typedef struct arguments {
     scene_options scene;
-    uint64_t steps; // 0: all that are recorded
-    uint64_t every; // steps from one comparison to the next
+    uint64_t steps;       // 0: all that are recorded
+    uint64_t every;       // steps from one comparison to the next
+    uint64_t ranks;       // 0: not given, as is
+    uint64_t other_ranks; // if neither is given, this process makes the steps
     const char *replay;
     const char *other_replay;
     const char *pair;
@@ -27,6 +33,7 @@ typedef struct arguments {
     plan_options plan;
     plan_options other_plan;
     bool json;
+    int status; // of a job that has told why it failed
 } arguments;
 
 static const option options[] = {
@@ -44,6 +51,8 @@ static const option options[] = {
     OPTION_TEXT("other-variant", other_plan.variant, "V", "kernels of the other run"),
     OPTION_TEXT("other-variant-a", other_plan.variants[0], "V", "kernels of its A"),
     OPTION_TEXT("other-variant-b", other_plan.variants[1], "V", "kernels of its B"),
+    OPTION_COUNT("ranks", ranks, "R", "run on R ranks of this machine, by mpirun", 1, 65536),
+    OPTION_COUNT("other-ranks", other_ranks, "R", "ranks of the other run (1)", 1, 65536),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
 };
@@ -56,7 +65,8 @@ static const option_rule rules[] = {
 static const char *refuse(const void *given, char **operands)
 {
     const arguments *args = given;
-    (void)operands;
+    if ((args->ranks > 0 || args->other_ranks > 0) && strcmp(operands[0], "-") == 0)
+        return "--ranks: the scene is read more than once; expected a file or a scene's name";
     return args->steps > 0 || args->replay ? NULL
                                            : "--steps is missing; give it, or --replay F.replay";
 }
@@ -64,8 +74,9 @@ static const char *refuse(const void *given, char **operands)
 static const command_line line = {
     .name = "verify",
     .operands = "SCENE|FILE",
-    .about = "Runs a moving scene twice, on two device pairs or by two plans, and says whether\n"
-             "every step gave the same bits, or the first step, stage and body that differ.\n"
+    .about = "Runs a moving scene twice, on two device pairs, by two plans or on two numbers of\n"
+             "ranks, and says whether every step gave the same bits, or the first step, stage\n"
+             "and body that differ.\n"
              "Without options of the other run that is on two devices: halves of the CPU, or\n"
              "a device that is taken twice.",
     .options = options,
@@ -77,6 +88,7 @@ typedef struct verification {
     const arguments *args;
     const duet_scene *scene;
     verified_run runs[2];
+    verified_jobs jobs; // make the steps if runs have ranks
     uint64_t steps, done;
     uint64_t kept;  // the step at which both states were kept
     uint64_t taken; // steps that each run made in all
@@ -87,13 +99,27 @@ typedef struct verification {
 
 // ---------------------------------------------------------------- two runs
 
+static bool is_over_ranks(const verification *v)
+{
+    return v->runs[0].ranks > 0;
+}
+
+// Both runs have ranks, or none has.
+static void take_ranks(verification *v)
+{
+    const uint64_t ranks[2] = {v->args->ranks, v->args->other_ranks};
+    for (int i = 0; i < 2 && (ranks[0] > 0 || ranks[1] > 0); ++i)
+        v->runs[i].ranks = ranks[i] > 0 ? ranks[i] : 1;
+}
+
 // Without options of its own the other run divides what the first does on one device, and does on
 // one device what the first divides.
 static void choose_other(verification *v)
 {
     const verified_run *first = &v->runs[0];
     verified_run *other = &v->runs[1];
-    if (other->selectors || inputs_plan_given(&other->plan) || v->args->other_replay)
+    if (is_over_ranks(v) || other->selectors || inputs_plan_given(&other->plan) ||
+        v->args->other_replay)
         return;
     const duet_device_info *b = duet_device_pair_get_info(first->pair, 1);
     if (verified_run_plan(first).share > 0) {
@@ -130,7 +156,9 @@ static bool open_runs(verification *v, duet_error *err)
     v->runs[1] = (verified_run){.selectors = args->other_pair,
                                 .plan = args->other_plan,
                                 .path = args->other_replay ? args->other_replay : args->replay};
-    if (!verified_run_open(&v->runs[0], v->scene, err))
+    take_ranks(v);
+    if ((is_over_ranks(v) && !cluster_may_start(err)) ||
+        !verified_run_open(&v->runs[0], v->scene, err))
         return false;
     choose_other(v);
     if (!v->runs[1].selectors)
@@ -161,6 +189,31 @@ static bool compare_states(verification *v, const char *stage, uint64_t step, du
     return call_both(v, verified_run_sum, err) && both_finite(v, err) &&
            (!difference_is(v->runs, false) ||
             difference_find_state(&v->first, v->runs, stage, err));
+}
+
+// Finds what differs in the states that jobs reached: something that has a stage, or else a byte of
+// their checkpoints.
+static bool find_in_checkpoints(verification *v, duet_error *err)
+{
+    difference *d = &v->first;
+    if (!verified_jobs_load(&v->jobs, v->runs, err) || !call_both(v, verified_run_sum, err) ||
+        !both_finite(v, err) || !difference_find(d, v->runs, err))
+        return false;
+    if (d->stage)
+        return true;
+    d->stage = "checkpoint";
+    d->body = DUET_NO_BODY;
+    snprintf(d->field, sizeof d->field, "byte %zu", v->jobs.unlike.at);
+    memcpy(d->values, v->jobs.unlike.bytes, sizeof d->values);
+    return true;
+}
+
+static bool compare_step_of_jobs(verification *v, duet_error *err)
+{
+    bool differ = false;
+    v->first.step = v->done + 1;
+    return verified_jobs_go(&v->jobs, v->runs, v->done, v->first.step, &differ, err) &&
+           (!differ || find_in_checkpoints(v, err));
 }
 
 // Takes the next step, between whose stages it looks for what differs.
@@ -201,12 +254,23 @@ static bool is_bad(const verified_run *r)
     return r->not_finite.status != DUET_STATUS_OK;
 }
 
+static bool go_by_jobs(verification *v, uint64_t step, bool *differ, duet_error *err)
+{
+    if (!interrupt_check(err) || !verified_jobs_go(&v->jobs, v->runs, v->kept, step, differ, err))
+        return false;
+    v->taken += step - v->kept;
+    v->done = step;
+    return true;
+}
+
 // Takes steps up to one, or less far where events differ, or a run parts from its recording.
 // *differ: something does, or is no longer finite.
 static bool go_to(verification *v, uint64_t step, bool *differ, duet_error *err)
 {
     bool ok = true;
     *differ = false;
+    if (is_over_ranks(v))
+        return go_by_jobs(v, step, differ, err);
     while (ok && !*differ && v->done < step && !is_unlike(v)) {
         ok = take_step(v, err);
         *differ = ok && difference_is_told(v->runs);
@@ -219,13 +283,15 @@ static bool go_to(verification *v, uint64_t step, bool *differ, duet_error *err)
 static bool keep(verification *v, duet_error *err)
 {
     v->kept = v->done;
+    if (is_over_ranks(v))
+        return v->kept == 0 || verified_jobs_keep(&v->jobs, err);
     return call_both(v, verified_run_keep, err);
 }
 
 static bool go_back(verification *v, duet_error *err)
 {
     v->done = v->kept;
-    return call_both(v, verified_run_return, err);
+    return is_over_ranks(v) || call_both(v, verified_run_return, err);
 }
 
 static void forget_unlike(verification *v)
@@ -246,7 +312,7 @@ static bool find_first(verification *v, uint64_t differs, duet_error *err)
             differs = v->done;
         ok = ok && (differ ? go_back(v, err) : keep(v, err));
     }
-    ok = ok && compare_step(v, err);
+    ok = ok && (is_over_ranks(v) ? compare_step_of_jobs(v, err) : compare_step(v, err));
     ++v->taken;
     return ok && (v->first.stage ||
                   error_set(err, DUET_STATUS_WRONG_RESULT,
@@ -274,10 +340,24 @@ static bool compare(verification *v, duet_error *err)
             ok = keep(v, err);
     }
     progress_end(&v->shown);
-    return ok;
+    return ok && (!is_over_ranks(v) || v->first.stage ||
+                  (verified_jobs_load(&v->jobs, v->runs, err) &&
+                   call_both(v, verified_run_sum, err) && both_finite(v, err)));
 }
 
 // ---------------------------------------------------------------- telling
+
+static void add_run(cJSON *row, const verified_run *r)
+{
+    const duet_plan plan = verified_run_plan(r);
+    if (r->ranks > 0) {
+        json_add(row, NUMBER("ranks", (double)r->ranks));
+        return;
+    }
+    json_add_devices(row, r->pair);
+    json_add_plan(row, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode),
+                  plan.variant_a, plan.variant_b);
+}
 
 static bool tell_json(const verification *v, duet_error *err)
 {
@@ -289,13 +369,8 @@ static bool tell_json(const verification *v, duet_error *err)
     if (!v->first.stage)
         json_add_hash(o, v->runs[0].hash);
     cJSON *list = cJSON_AddArrayToObject(o, "runs");
-    for (int i = 0; i < 2; ++i) {
-        duet_plan plan = verified_run_plan(&v->runs[i]);
-        cJSON *row = json_add_row(list);
-        json_add_devices(row, v->runs[i].pair);
-        json_add_plan(row, plan.share / (double)DUET_SHARE_ONE, duet_mode_name(plan.mode),
-                      plan.variant_a, plan.variant_b);
-    }
+    for (int i = 0; i < 2; ++i)
+        add_run(json_add_row(list), &v->runs[i]);
     if (v->first.stage) {
         json_add(o, STRING("stage", v->first.stage));
         if (v->first.body != DUET_NO_BODY)
@@ -351,15 +426,19 @@ static bool tell(const verification *v, duet_error *err)
 
 static bool run(void *given, char **operands, duet_error *err)
 {
-    const arguments *args = given;
+    arguments *args = given;
     verification v = {.args = args};
     duet_scene *scene = inputs_load_scene(operands[0], &args->scene, err);
     v.scene = scene;
-    bool ok = scene && open_runs(&v, err) && compare(&v, err) && tell(&v, err);
+    bool ok = scene && open_runs(&v, err) &&
+              (!is_over_ranks(&v) || verified_jobs_open(&v.jobs, operands[0], &args->scene, err)) &&
+              compare(&v, err) && tell(&v, err);
+    args->status = v.jobs.status;
+    verified_jobs_close(&v.jobs);
     verified_run_close(&v.runs[0]);
     verified_run_close(&v.runs[1]);
     duet_scene_destroy(scene);
-    return ok;
+    return ok || args->status != EXIT_OK;
 }
 
 int command_verify(int argc, char **argv)
@@ -368,5 +447,6 @@ int command_verify(int argc, char **argv)
                       .every = 64,
                       .plan = PLAN_OPTIONS_DEFAULT,
                       .other_plan = {.share = UINT32_MAX, .prefix = "other-"}};
-    return options_run(&line, argc, argv, &args, run);
+    int status = options_run(&line, argc, argv, &args, run);
+    return status == EXIT_OK ? args.status : status;
 }

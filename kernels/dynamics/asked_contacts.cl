@@ -29,8 +29,8 @@ __kernel void read_asked(READ_ASKED_ARGS)
     }
 }
 
-// A contact that was mistaken for the one that came is unknown from now on. One that is not solved here is left at home
-// in this step.
+// A contact that was mistaken for the one that came is unknown from now on, and one that is taken as solved by another
+// colour than it has was mistaken, too. One that is not solved here is left at home in this step.
 __kernel void take_asked(TAKE_ASKED_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
@@ -51,7 +51,10 @@ __kernel void take_asked(TAKE_ASKED_ARGS)
         touches[row] = from[2];
         for (uint k = 0; k < row_words; ++k)
             contacts[(size_t)row * row_words + k] = as_float(from[ASKED_RECORD + k]);
-        if (colours[row] != asked[j].y)
+        if (colours[row] != asked[j].y) {
+            if (colours[row] <= COLOUR_OVERFLOW)
+                atomic_inc(closing + CLOSING_MISTAKEN);
             colours[row] = COLOUR_LEFT | asked[j].y;
+        }
     }
 }

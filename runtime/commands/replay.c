@@ -282,6 +282,11 @@ static bool give_commands(duet_replay *p, duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- steps
 
+static uint64_t step_of(const duet_replay *p)
+{
+    return p->head.step + p->info.steps_done;
+}
+
 static bool check_ground(const duet_replay *p, uint64_t sum, duet_error *err)
 {
     return p->ground == sum ||
@@ -305,6 +310,38 @@ bool replay_check_begin(const duet_replay *p, const replay_begin *b, duet_error 
                      p->path, head->step, head->n, head->hash, b->step, b->n, b->hash);
 }
 
+// The record that comes next is no step that was not made yet.
+static void pass_record(duet_replay *p)
+{
+    recorded head;
+    memcpy(&head, p->file.chars + p->at, sizeof head);
+    p->at += sizeof head + size_of(&head);
+    if (head.kind == RECORDED_STEPS)
+        p->steps_left = head.n;
+    else
+        p->commands_done += head.kind != RECORDED_HASH;
+}
+
+bool replay_pass(duet_replay *p, const replay_begin *b, duet_error *err)
+{
+    const uint64_t first = p->head.step, last = first + p->info.steps;
+    if (!check_ground(p, b->ground, err))
+        return false;
+    if (b->dims != p->head.dims || b->step < first || b->step > last)
+        return error_set(err, DUET_STATUS_BAD_INPUT,
+                         "%s: recorded from step %" PRIu64 " to %" PRIu64
+                         " in %uD; the motion is at step %" PRIu64 " in %uD",
+                         p->path, first, last, p->head.dims, b->step, b->dims);
+    while (step_of(p) < b->step) {
+        if (p->steps_left == 0)
+            pass_record(p);
+        else
+            replay_note_step(p);
+    }
+    p->begun = true;
+    return true;
+}
+
 static bool check_begin(duet_replay *p, duet_motion *m, duet_error *err)
 {
     if (p->begun)
@@ -321,11 +358,6 @@ bool replay_note_step(duet_replay *p)
 {
     --p->steps_left;
     return ++p->info.steps_done == p->info.steps;
-}
-
-static uint64_t step_of(const duet_replay *p)
-{
-    return p->head.step + p->info.steps_done;
 }
 
 // Names the steps one of which is the first that differs.

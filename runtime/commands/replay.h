@@ -43,6 +43,10 @@ typedef struct replay_place {
 replay_place replay_get_place(const duet_replay *replay);
 void replay_set_place(duet_replay *replay, const replay_place *place);
 
+// Passes what was recorded up to a step that the motion, which went on from a file, has made. Fails
+// as check_begin if the motion has not that ground and dims, or so many steps were not recorded.
+bool replay_pass(duet_replay *replay, const replay_begin *motion, duet_error *err);
+
 // Says which recorded command failed, from 1 on; returns false.
 bool replay_blame(const char *path, uint64_t number, uint64_t n, const duet_error *why,
                   duet_error *err);

@@ -257,8 +257,8 @@ bool domain_read_asked(duet_motion *m, const asked_contact *asked, uint32_t n, v
 bool domain_take_asked(duet_motion *m, const asked_contact *asked, uint32_t n, const void *rows,
                        duet_error *err);
 
-// How many contacts are solved here that others own, and how many came that were others than those
-// that were thought to push: then what is solved is to be found again.
+// How many contacts are solved here that others own, and how many were taken as solved that do not
+// push at home, or by another colour: then what is solved is to be found again.
 typedef struct domain_closed {
     uint32_t n_foreign, n_mistaken;
 } domain_closed;

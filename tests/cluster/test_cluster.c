@@ -271,6 +271,40 @@ TEST(ranks_end_at_the_first_kept_hash_that_differs)
     program_done(program_run("cluster rough.lua --steps 70 --replay rough.replay --ranks 3"));
 }
 
+// The told recording has commands before and after step 10, of which a checkpoint has the first
+// ones; without them the state is another one.
+TEST(ranks_go_on_from_a_checkpoint_within_a_recording)
+{
+    skip_without_mpi();
+    static const char pushes[] =
+        "local duet = require 'duet'\n"
+        "local pair <close> = assert(duet.device_pair 'cpu')\n"
+        "local scene <close> = assert(duet.scene 'rough.lua')\n"
+        "local motion <close> = assert(pair:motion(scene))\n"
+        "assert(motion:record())\n"
+        "for i = 1, 20 do\n"
+        "  if i % 3 == 0 then assert(motion:apply_impulses(i, { 0, 1, 0, 0, 0, 0 })) end\n"
+        "  assert(motion:advance())\n"
+        "end\n"
+        "assert(motion:save_recording 'pushed.replay')\n";
+    write_sliding("rough.lua", 0.5);
+    must(text_write_file("pushes.lua", pushes, sizeof pushes - 1, ERR));
+    program_done(program_run("lua --trust pushes.lua"));
+    program_done(program_run("cluster rough.lua --steps 10 --replay pushed.replay --ranks 3 "
+                             "--checkpoint pushed.ck"));
+    program_done(program_run("cluster rough.lua --steps 20 --replay pushed.replay --ranks 2 "
+                             "--resume pushed.ck --check"));
+    program_done(program_run("cluster rough.lua --steps 10 --ranks 2 --checkpoint pushed.ck"));
+    program_assert_refused(program_run("cluster rough.lua --steps 20 --replay pushed.replay "
+                                       "--ranks 2 --resume pushed.ck"),
+                           1, "pushed.replay: the state hash is ");
+    program_done(program_run("run rough.lua --steps 5 --record short.replay"));
+    program_assert_refused(program_run("cluster rough.lua --steps 10 --replay short.replay "
+                                       "--ranks 2 --resume pushed.ck"),
+                           2, "--steps 10: short.replay has 5 recorded steps");
+    remove("pushed.ck");
+}
+
 // ---------------------------------------------------------------- how often ghosts come
 
 static cJSON *move(const char *variables, const char *arguments)
