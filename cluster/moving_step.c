@@ -49,27 +49,29 @@ static uint32_t end_of_colours(const moving *m, uint32_t from, uint32_t colours)
 static void solve_until(moving *m, domain_pass pass, uint32_t from, uint32_t to, uint32_t list,
                         duet_error *own)
 {
-    const bool warm = pass == PASS_RELAX, comes = halo_comes(&m->halo, list);
+    const bool comes = halo_comes(&m->halo, list);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_solve_border(m->domains[k].motion, pass, from, to, own);
     const uint64_t begun_ns = ranks_now_ns();
-    const int n = halo_begin_after(&m->halo, m, list, warm, own);
+    const int n = halo_begin_after(&m->halo, m, list, own);
     const uint64_t sent_ns = ranks_now_ns();
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_solve_inner(m->domains[k].motion, pass, to - 1, own);
     const uint64_t solved_ns = ranks_now_ns();
-    halo_end_after(&m->halo, m, list, warm, n, own);
+    halo_end_after(&m->halo, m, list, n, own);
     if (comes)
         every_note_exchange(&m->trial, sent_ns - begun_ns + ranks_now_ns() - solved_ns);
 }
 
-// No colour needs ghosts that the last one changed.
+// No colour needs ghosts that the last one changed. What follows them needs these, unless contacts
+// relaxed: a substep then begins with all ghosts that contacts left wrong.
 static void solve(moving *m, domain_pass pass, duet_error *own)
 {
     const uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
+    const uint32_t last = pass == PASS_RELAX && m->n_in_order == 0 ? HALO_NONE : HALO_END;
     for (uint32_t from = 0, to; from < colours; from = to) {
         to = end_of_colours(m, from, colours);
-        solve_until(m, pass, from, to, to < colours ? to - 1 : HALO_END, own);
+        solve_until(m, pass, from, to, to < colours ? to - 1 : last, own);
     }
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
@@ -93,10 +95,12 @@ static bool solve_shocks(moving *m, duet_error *own)
     return true;
 }
 
-// The ghosts' velocities and positions change as their owners' do.
+// The impulses to warm start with are sums over contacts, of which a ghost lacks some: velocities
+// that come of them travel in their place. Positions of ghosts change as their owners' do.
 static bool substep(moving *m, duet_error *own)
 {
     each(m, domain_integrate_velocities, own);
+    halo_exchange_after(&m->halo, m, HALO_ANY, own);
     if (!solve_shocks(m, own))
         return false;
     solve(m, PASS_SOFT, own);
@@ -112,6 +116,7 @@ static bool run_substeps(moving *m, duet_error *own)
     bool ok = true;
     for (uint32_t i = 0; ok && i < motion->def.substeps; ++i)
         ok = substep(m, own);
+    halo_exchange_after(&m->halo, m, HALO_END, own);
     if (ok && (motion->facts & FACT_ELASTIC) && !motion_has_shocks(motion))
         solve(m, PASS_RESTORE, own);
     return ok;
@@ -150,7 +155,6 @@ static void push_sleepers(moving *m, duet_error *own)
     each(m, domain_move_sleepers, own);
 }
 
-// The impulses to warm start with are sums over contacts, of which a ghost lacks some.
 static bool respond(moving *m, duet_error *own)
 {
     tally t;
@@ -161,7 +165,6 @@ static bool respond(moving *m, duet_error *own)
         return false;
     moving_enter(m, PHASE_SUBSTEPS);
     each(m, domain_prepare_contacts, own);
-    halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     if (!run_substeps(m, own))
         return false;
     moving_enter(m, PHASE_FINALIZE);

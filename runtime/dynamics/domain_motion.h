@@ -63,7 +63,7 @@ bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err);
 bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err);
 
 // Two parts of a row by object, in words: where they begin, how many are taken, and how many of
-// every four; 0: all.
+// every four of the first part; 0: all.
 typedef struct row_parts {
     uint32_t at[2], words[2], of_four;
 } row_parts;
