@@ -348,14 +348,25 @@ void halo_exchange_ways(halo *h, moving *m, uint32_t round, duet_error *own)
 }
 
 // What a body has moved and turned lies together, too.
-void halo_exchange_late(halo *h, moving *m, duet_error *own)
+static rows_moved late_rows(const duet_motion *motion)
 {
-    const duet_motion *motion = m->domains[0].motion;
     const bool turns = motion->layout.body == BODY_OF(1);
-    rows_moved rows = {BODIES, velocities_of(motion)};
-    rows.parts.at[1] = BODY_DELTA_POSITION_OF(turns) * VECTOR;
-    rows.parts.words[1] = (turns ? 2 : 1) * VECTOR;
-    exchange(h, m, HALO_LATE, &rows, own);
+    row_parts parts = velocities_of(motion);
+    parts.at[1] = BODY_DELTA_POSITION_OF(turns) * VECTOR;
+    parts.words[1] = (turns ? 2 : 1) * VECTOR;
+    return (rows_moved){BODIES, parts};
+}
+
+int halo_begin_late(halo *h, moving *m, duet_error *own)
+{
+    const rows_moved rows = late_rows(m->domains[0].motion);
+    return begin_exchange(h, m, HALO_LATE, &rows, own);
+}
+
+void halo_end_late(halo *h, moving *m, int n, duet_error *own)
+{
+    const rows_moved rows = late_rows(m->domains[0].motion);
+    end_exchange(h, m, HALO_LATE, &rows, n, own);
 }
 
 // ---------------------------------------------------------------- what comes when

@@ -106,8 +106,10 @@ void halo_exchange_asleep(halo *h, struct moving *m, duet_error *own);
 // round.
 void halo_exchange_ways(halo *h, struct moving *m, uint32_t round, duet_error *own);
 
-// Makes of the bodies of HALO_LATE all that a step changes that of their own domains.
-void halo_exchange_late(halo *h, struct moving *m, duet_error *own);
+// Makes of the bodies of HALO_LATE all that a step changes that of their own domains, in two calls
+// between which no device works on bodies.
+int halo_begin_late(halo *h, struct moving *m, duet_error *own);
+void halo_end_late(halo *h, struct moving *m, int n, duet_error *own);
 
 // Whether this rank sends or receives something then.
 bool halo_comes(const halo *h, uint32_t colour);
