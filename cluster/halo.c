@@ -267,6 +267,13 @@ bool halo_comes(const halo *h, uint32_t colour)
     return h->sent.n[colour] > 0 || h->received.n[colour] > 0;
 }
 
+// As measured in docs/notes/performance.md.
+uint32_t halo_least_inner(const ranks *r)
+{
+    enum { LEAST = 1 << 12, LEAST_ON_HOST = 1 << 14 };
+    return r->n_on_host < r->n ? LEAST : LEAST_ON_HOST;
+}
+
 static int begin_exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
 {
     if (!halo_comes(h, (uint32_t)list))

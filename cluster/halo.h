@@ -114,4 +114,8 @@ void halo_end_late(halo *h, struct moving *m, int n, duet_error *own);
 // Whether this rank sends or receives something then.
 bool halo_comes(const halo *h, uint32_t colour);
 
+// Contacts of a colour that are worth a launch beside a message, which takes longer to another
+// host.
+uint32_t halo_least_inner(const ranks *r);
+
 #endif
