@@ -7,10 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-const ghost_traffic ghost_traffics[GHOST_TRAFFICS] = {
-    {1, 1, 10.6, 9.8, 6.3, 132, 0.46, 2.17},   {2, 2, 11.7, 11.4, 7.4, 169, 0.59, 2.66},
-    {4, 2, 10.9, 15.1, 11.0, 244, 0.88, 3.65}, {8, 4, 7.7, 16.2, 12.4, 352, 1.19, 5.03},
-    {31, 8, 5.1, 23.2, 21.6, 335, 1.47, 5.22}};
+const ghost_traffic ghost_traffics[GHOST_TRAFFICS] = {{1, 1, 10.6, 9.8, 6.3, 132, 0.46, 2.17},
+                                                      {2, 2, 11.7, 11.4, 7.4, 169, 0.59, 2.66},
+                                                      {4, 2, 10.9, 15.1, 11.0, 244, 0.88, 3.65},
+                                                      {8, 4, 7.7, 16.2, 12.4, 352, 1.19, 5.03},
+                                                      {31, 8, 5.1, 23.2, 21.6, 335, 1.47, 5.22}};
 
 const ghost_traffic *ghost_traffic_of(uint32_t colours)
 {
@@ -29,9 +30,9 @@ enum { SUBSTEPS = 4, SWEEPS = 2 * SUBSTEPS, END_MESSAGES = 5, AGREEMENTS = 11 };
 // each colour has: messages between colours have as large parts of the bytes.
 static const double sweeps_part = 0.35, contacts_of_body = 1.3;
 enum { COUNTED_COLOURS = 14 };
-static const double colour_parts[COUNTED_COLOURS] = {0.1705,  0.1633,  0.1424,  0.1294,  0.1169,
-                                             0.1002,  0.0807,  0.0546,  0.029,   0.0101,
-                                             0.00246, 0.00034, 0.00004, 0.00002};
+static const double colour_parts[COUNTED_COLOURS] = {0.1705,  0.1633,  0.1424,  0.1294, 0.1169,
+                                                     0.1002,  0.0807,  0.0546,  0.029,  0.0101,
+                                                     0.00246, 0.00034, 0.00004, 0.00002};
 
 // A step of this rank. Times are in seconds.
 typedef struct traffic_step {
