@@ -2,15 +2,16 @@
 #include "cluster/ghost_traffic.h"
 
 #include "base/error.h"
+#include "cluster/halo.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-const ghost_traffic ghost_traffics[GHOST_TRAFFICS] = {{1, 14, 1.71, 194, 0.42},
-                                                      {2, 7, 3.55, 248, 0.55},
-                                                      {4, 4, 8.73, 350, 0.79},
-                                                      {8, 2, 13.7, 512, 1.11},
-                                                      {31, 1, 37.8, 461, 1.36}};
+const ghost_traffic ghost_traffics[GHOST_TRAFFICS] = {{1, 1, 10.6, 9.8, 6.3, 132, 0.46, 2.17},
+                                                      {2, 2, 11.7, 11.4, 7.4, 169, 0.59, 2.66},
+                                                      {4, 2, 10.9, 15.1, 11.0, 244, 0.88, 3.65},
+                                                      {8, 4, 7.7, 16.2, 12.4, 352, 1.19, 5.03},
+                                                      {31, 8, 5.1, 23.2, 21.6, 335, 1.47, 5.22}};
 
 const ghost_traffic *ghost_traffic_of(uint32_t colours)
 {
@@ -21,59 +22,160 @@ const ghost_traffic *ghost_traffic_of(uint32_t colours)
     return found;
 }
 
-// Four substeps of two sweeps, and what the first one begins with. At the end of a step ghosts are
-// told colours, ask for theirs, and come as a whole; ranks agree now and then.
-enum { SWEEPS = 4 * 2, END_MESSAGES = 3, AGREEMENTS = 5 };
+// Substeps, each of two sweeps; and the end of a step: ghosts say whether they rest and sleep, are
+// told colours, ask for theirs, and come as a whole. Ranks agree now and then.
+enum { SUBSTEPS = 4, SWEEPS = 2 * SUBSTEPS, END_MESSAGES = 5, AGREEMENTS = 11 };
 
-static uint64_t at_border(const ghosts *g, const ranks *r, int q)
+// The part of a step in which sweeps solve contacts, contacts of a body, and the part of them that
+// each colour has: messages between colours have as large parts of the bytes.
+static const double sweeps_part = 0.35, contacts_of_body = 1.3;
+enum { COUNTED_COLOURS = 14 };
+static const double colour_parts[COUNTED_COLOURS] = {0.1705,  0.1633,  0.1424,  0.1294, 0.1169,
+                                                     0.1002,  0.0807,  0.0546,  0.029,  0.0101,
+                                                     0.00246, 0.00034, 0.00004, 0.00002};
+
+// A step of this rank. Times are in seconds.
+typedef struct traffic_step {
+    const ghost_traffic *traffic;
+    const ghosts *ghosts;
+    ranks *ranks;
+    double own_time, all_time; // of own bodies; and with what is done for ghosts
+    double inner_part;         // of the own bodies' contacts
+    double least_inner_part;   // of all contacts: fewer are not worth a launch beside a message
+    parcels out, in;           // as long as the longest message
+    MPI_Request *requests;
+} traffic_step;
+
+static uint64_t at_border(const traffic_step *s, int q)
 {
-    return q == r->self ? 0 : g->out.counts[q] + g->in.counts[q];
+    const ghosts *g = s->ghosts;
+    return q == s->ranks->self ? 0 : g->out.counts[q] + g->in.counts[q];
 }
 
-// Rows of a byte each, as many for each rank.
-static bool reserve(parcels *p, const ghosts *g, const ranks *r, double bytes, duet_error *err)
+// ---------------------------------------------------------------- messages
+
+static void set_bytes(const traffic_step *s, parcels *p, double bytes)
 {
-    if (!parcels_begin(p, r, 1, err))
+    for (int q = 0; q < s->ranks->n; ++q)
+        p->counts[q] = (uint64_t)ceil(bytes * (double)at_border(s, q));
+}
+
+// Rows of a byte each.
+static bool reserve(const traffic_step *s, parcels *p, double bytes, duet_error *err)
+{
+    if (!parcels_begin(p, s->ranks, 1, err))
         return false;
-    for (int q = 0; q < r->n; ++q)
-        p->counts[q] = (uint64_t)ceil(bytes * (double)at_border(g, r, q));
-    return parcels_reserve(p, r, NULL, err);
+    set_bytes(s, p, bytes);
+    return parcels_reserve(p, s->ranks, NULL, err);
 }
 
-// Both sides send as much.
-static bool pass(const ghosts *g, ranks *r, double bytes, uint32_t times, MPI_Request *requests,
-                 duet_error *err)
+// Both sides send as much. No bytes: no message.
+static int begin_message(traffic_step *s, double bytes)
 {
-    parcels out = {0}, in = {0};
-    bool ok = is_well(err) && reserve(&out, g, r, bytes, err) && reserve(&in, g, r, bytes, err);
-    ok = ranks_agree(r, ok, err);
-    for (uint32_t i = 0; ok && i < times; ++i)
-        parcels_pass(r, &out, &in, requests);
-    parcels_end(&out);
-    parcels_end(&in);
-    return ok;
+    set_bytes(s, &s->out, bytes);
+    set_bytes(s, &s->in, bytes);
+    return bytes > 0 ? parcels_begin_pass(s->ranks, &s->out, &s->in, s->requests) : 0;
 }
 
-static void work(const ghost_traffic *t, const ghosts *g, const ranks *r, uint64_t n)
+static void pass_message(traffic_step *s, double bytes)
 {
-    uint64_t border = 0;
-    for (int q = 0; q < r->n; ++q)
-        border += at_border(g, r, q);
-    r->simulation->pass(r->simulation->object_seconds * r->stands_for *
-                        ((double)n + t->work * (double)border));
+    parcels_end_pass(s->ranks, begin_message(s, bytes), s->requests);
+}
+
+// ---------------------------------------------------------------- work
+
+static void work(const traffic_step *s, double seconds)
+{
+    s->ranks->simulation->pass(seconds);
+}
+
+static double time_of_colours(const traffic_step *s, uint32_t from, uint32_t to)
+{
+    double part = 0;
+    for (uint32_t k = from; k < to; ++k)
+        part += colour_parts[k];
+    return part * s->all_time * sweeps_part / SWEEPS;
+}
+
+// The time of a colour's contacts that are solved while a message travels.
+static double inner_time(const traffic_step *s, uint32_t colour)
+{
+    const double part = colour_parts[colour];
+    return part * s->inner_part < s->least_inner_part
+               ? 0
+               : part * s->inner_part * s->own_time * sweeps_part / SWEEPS;
+}
+
+static double parts_before(const ghost_traffic *t, uint32_t from)
+{
+    double part = 0;
+    for (uint32_t k = from - t->apart; k < from; ++k)
+        part += colour_parts[k];
+    return part;
+}
+
+// A sweep begins with a message of so many bytes; others are between colours.
+static void sweep(traffic_step *s, double begin_bytes)
+{
+    const ghost_traffic *t = s->traffic;
+    double bytes = begin_bytes;
+    for (uint32_t from = 0, to; from < COUNTED_COLOURS; from = to) {
+        const double inner = inner_time(s, from);
+        to = from + t->apart < COUNTED_COLOURS ? from + t->apart : COUNTED_COLOURS;
+        const int n = begin_message(s, bytes);
+        work(s, inner);
+        parcels_end_pass(s->ranks, n, s->requests);
+        work(s, time_of_colours(s, from, to) - inner);
+        bytes = to < COUNTED_COLOURS ? t->colour_bytes * parts_before(t, to) : 0;
+    }
+}
+
+static void take_step(traffic_step *s)
+{
+    const ghost_traffic *t = s->traffic;
+    work(s, (1 - sweeps_part) * s->all_time);
+    for (int i = 0; i < SUBSTEPS; ++i) {
+        sweep(s, t->begin_bytes);
+        pass_message(s, t->end_bytes);
+        sweep(s, 0);
+    }
+    pass_message(s, t->end_bytes);
+    for (int i = 0; i < END_MESSAGES; ++i)
+        pass_message(s, t->step_bytes / END_MESSAGES);
+}
+
+static void find_work(traffic_step *s, double n)
+{
+    const ghost_traffic *t = s->traffic;
+    const double body_time = s->ranks->simulation->object_seconds * s->ranks->stands_for;
+    double border = 0;
+    for (int q = 0; q < s->ranks->n; ++q)
+        border += (double)at_border(s, q);
+    s->own_time = n * body_time;
+    s->all_time = (n + t->work * border) * body_time;
+    s->inner_part = n > 0 ? fmax(0, 1 - t->border * border / n) : 0;
+    s->least_inner_part =
+        halo_least_inner(s->ranks) / (contacts_of_body * fmax(n, 1) * s->ranks->stands_for);
 }
 
 bool ghost_traffic_take(const ghost_traffic *t, const ghosts *g, ranks *r, uint64_t n,
                         duet_error *err)
 {
-    MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof *requests);
-    if (!requests)
+    traffic_step s = {.traffic = t, .ghosts = g, .ranks = r};
+    s.requests = malloc(4 * (size_t)r->n * sizeof *s.requests);
+    if (!s.requests)
         error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
-    work(t, g, r, n);
-    bool ok = pass(g, r, t->exchange_bytes, SWEEPS * t->exchanges + 1, requests, err) &&
-              pass(g, r, t->step_bytes / END_MESSAGES, END_MESSAGES, requests, err);
+    bool ok = is_well(err) && reserve(&s, &s.out, t->step_bytes, err) &&
+              reserve(&s, &s.in, t->step_bytes, err);
+    ok = ranks_agree(r, ok, err);
+    if (ok) {
+        find_work(&s, (double)n);
+        take_step(&s);
+    }
     for (int i = 0; ok && i < AGREEMENTS; ++i)
         ok = ranks_agree(r, true, err);
-    free(requests);
+    parcels_end(&s.out);
+    parcels_end(&s.in);
+    free(s.requests);
     return ok;
 }

@@ -267,6 +267,13 @@ bool halo_comes(const halo *h, uint32_t colour)
     return h->sent.n[colour] > 0 || h->received.n[colour] > 0;
 }
 
+// As measured in docs/notes/performance.md.
+uint32_t halo_least_inner(const ranks *r)
+{
+    enum { LEAST = 1 << 12, LEAST_ON_HOST = 1 << 14 };
+    return r->n_on_host < r->n ? LEAST : LEAST_ON_HOST;
+}
+
 static int begin_exchange(halo *h, moving *m, int list, const rows_moved *rows, duet_error *own)
 {
     if (!halo_comes(h, (uint32_t)list))
@@ -297,33 +304,32 @@ void halo_exchange(halo *h, moving *m, motion_buffer which, duet_error *own)
 
 // ---------------------------------------------------------------- after a colour
 
+enum { VECTOR = 4 };
+
 // Velocities of a body lie first (kernels/dynamics/records.h). The fourth numbers of vectors are no
 // part of them.
-static row_parts parts_of_body(const duet_motion *motion, bool warm)
+static row_parts velocities_of(const duet_motion *motion)
 {
-    enum { VECTOR = 4, SENT = 3 };
+    enum { SENT = 3 };
     const bool turns = motion->layout.body == BODY_OF(1);
-    const uint32_t both = (turns ? 2 : 1) * SENT;
-    return (row_parts){.at = {0, BODY_WARM_IMPULSE_OF(turns) * VECTOR},
-                       .words = {both, warm ? both : 0},
-                       .of_four = SENT};
+    return (row_parts){.words = {(turns ? 2 : 1) * SENT}, .of_four = SENT};
 }
 
-int halo_begin_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
+int halo_begin_after(halo *h, moving *m, uint32_t colour, duet_error *own)
 {
-    const rows_moved rows = {BODIES, parts_of_body(m->domains[0].motion, warm)};
+    const rows_moved rows = {BODIES, velocities_of(m->domains[0].motion)};
     return begin_exchange(h, m, (int)colour, &rows, own);
 }
 
-void halo_end_after(halo *h, moving *m, uint32_t colour, bool warm, int n, duet_error *own)
+void halo_end_after(halo *h, moving *m, uint32_t colour, int n, duet_error *own)
 {
-    const rows_moved rows = {BODIES, parts_of_body(m->domains[0].motion, warm)};
+    const rows_moved rows = {BODIES, velocities_of(m->domains[0].motion)};
     end_exchange(h, m, (int)colour, &rows, n, own);
 }
 
-void halo_exchange_after(halo *h, moving *m, uint32_t colour, bool warm, duet_error *own)
+void halo_exchange_after(halo *h, moving *m, uint32_t colour, duet_error *own)
 {
-    halo_end_after(h, m, colour, warm, halo_begin_after(h, m, colour, warm, own), own);
+    halo_end_after(h, m, colour, halo_begin_after(h, m, colour, own), own);
 }
 
 // Both sides see the same rows.
@@ -344,14 +350,30 @@ void halo_exchange_asleep(halo *h, moving *m, duet_error *own)
 // As push_sleepers writes them (kernels/dynamics/update_sleep.cl).
 void halo_exchange_ways(halo *h, moving *m, uint32_t round, duet_error *own)
 {
-    enum { VECTOR = 4 };
     const rows_moved rows = {BODIES, {.at = {(~round & 1u) * VECTOR}, .words = {VECTOR}}};
     exchange(h, m, HALO_PRESSED, &rows, own);
 }
 
-void halo_exchange_late(halo *h, moving *m, duet_error *own)
+// What a body has moved and turned lies together, too.
+static rows_moved late_rows(const duet_motion *motion)
 {
-    exchange(h, m, HALO_LATE, &(rows_moved){BODIES, whole_row(m, BODIES)}, own);
+    const bool turns = motion->layout.body == BODY_OF(1);
+    row_parts parts = velocities_of(motion);
+    parts.at[1] = BODY_DELTA_POSITION_OF(turns) * VECTOR;
+    parts.words[1] = (turns ? 2 : 1) * VECTOR;
+    return (rows_moved){BODIES, parts};
+}
+
+int halo_begin_late(halo *h, moving *m, duet_error *own)
+{
+    const rows_moved rows = late_rows(m->domains[0].motion);
+    return begin_exchange(h, m, HALO_LATE, &rows, own);
+}
+
+void halo_end_late(halo *h, moving *m, int n, duet_error *own)
+{
+    const rows_moved rows = late_rows(m->domains[0].motion);
+    end_exchange(h, m, HALO_LATE, &rows, n, own);
 }
 
 // ---------------------------------------------------------------- what comes when

@@ -18,12 +18,13 @@ typedef struct halo_item {
 } halo_item;
 
 // Lists of ghosts: all; those that come after a colour, which have numbers from 0; after all
-// colours; those that any contact leaves wrong; and those that have contacts at home and none here,
-// which nobody asks for before the step ends; and those that sleep deep in others, which alone
-// have ways.
+// colours; none; those that any contact leaves wrong; and those that have contacts at home and none
+// here, which nobody asks for before the step ends; and those that sleep deep in others, which
+// alone have ways.
 enum {
     HALO_COLOURS = 31,
     HALO_END = HALO_COLOURS,
+    HALO_NONE,
     HALO_ANY,
     HALO_LATE,
     HALO_PRESSED,
@@ -89,14 +90,14 @@ void halo_ask(halo *h, struct moving *m, duet_error *own);
 // Brings the contacts that were asked for. Collective; a rank may have failed alone after it.
 bool halo_bring_asked(halo *h, struct moving *m, duet_error *own);
 
-// Makes velocities, and the impulses to warm start with, those of the ghosts' own domains after
-// contacts of a colour, or of all (HALO_END); HALO_ANY: of all that any contact leaves wrong.
-void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
+// Makes velocities those of the ghosts' own domains after contacts of a colour, or of all
+// (HALO_END); HALO_ANY: of all that any contact leaves wrong.
+void halo_exchange_after(halo *h, struct moving *m, uint32_t colour, duet_error *own);
 
 // The same in two calls, between which devices work on bodies that are no ghost of any domain:
 // begin returns how many requests end waits for.
-int halo_begin_after(halo *h, struct moving *m, uint32_t colour, bool warm, duet_error *own);
-void halo_end_after(halo *h, struct moving *m, uint32_t colour, bool warm, int n, duet_error *own);
+int halo_begin_after(halo *h, struct moving *m, uint32_t colour, duet_error *own);
+void halo_end_after(halo *h, struct moving *m, uint32_t colour, int n, duet_error *own);
 
 // Makes flags of sleep (ASLEEP) those of the ghosts' own domains, and notes which are pressed.
 void halo_exchange_asleep(halo *h, struct moving *m, duet_error *own);
@@ -105,10 +106,16 @@ void halo_exchange_asleep(halo *h, struct moving *m, duet_error *own);
 // round.
 void halo_exchange_ways(halo *h, struct moving *m, uint32_t round, duet_error *own);
 
-// Makes all of the bodies of HALO_LATE those of their own domains.
-void halo_exchange_late(halo *h, struct moving *m, duet_error *own);
+// Makes of the bodies of HALO_LATE all that a step changes that of their own domains, in two calls
+// between which no device works on bodies.
+int halo_begin_late(halo *h, struct moving *m, duet_error *own);
+void halo_end_late(halo *h, struct moving *m, int n, duet_error *own);
 
 // Whether this rank sends or receives something then.
 bool halo_comes(const halo *h, uint32_t colour);
+
+// Contacts of a colour that are worth a launch beside a message, which takes longer to another
+// host.
+uint32_t halo_least_inner(const ranks *r);
 
 #endif

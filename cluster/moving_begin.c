@@ -14,10 +14,6 @@
 // Bodies that rank 0 makes at one time.
 enum { CHUNK = 1 << 18 };
 
-// Contacts that are worth a launch beside a message, which takes longer to another host
-// (docs/notes/performance.md).
-enum { LEAST_INNER = 1 << 12, LEAST_INNER_ON_HOST = 1 << 14 };
-
 // ---------------------------------------------------------------- the whole, on rank 0
 
 static duet_motion *know_objects(const duet_scene *scene, duet_device_pair *pair, duet_error *own)
@@ -170,7 +166,7 @@ static void measure_rows(moving *m)
     m->def = first->def; // whose ground is a copy
     m->every = first->plan.colours > 0 ? first->plan.colours : 1;
     m->trial.is_fixed = first->plan.colours > 0;
-    m->least_inner = m->ranks->n_on_host < m->ranks->n ? LEAST_INNER : LEAST_INNER_ON_HOST;
+    m->least_inner = halo_least_inner(m->ranks);
     m->traveller_bytes = sizeof(moving_traveller) + domain_state_bytes(first);
     m->contact_bytes = sizeof(moving_contact) + first->layout.record * sizeof(float);
 }

@@ -44,33 +44,38 @@ static uint32_t end_of_colours(const moving *m, uint32_t from, uint32_t colours)
     return to;
 }
 
-// Ghosts of a list come after these colours. While they travel each domain takes the last colour's
-// contacts that have no ghost and no body that is one elsewhere.
-static void solve_until(moving *m, domain_pass pass, uint32_t from, uint32_t to, uint32_t list,
+// Brings ghosts of a list, and then solves these colours. While ghosts travel each domain takes the
+// first colour's contacts that have no ghost and no body that is one elsewhere: no message holds
+// their bodies, whose contacts of the colours before are all solved.
+static void solve_after(moving *m, domain_pass pass, uint32_t list, uint32_t from, uint32_t to,
                         duet_error *own)
 {
-    const bool warm = pass == PASS_RELAX, comes = halo_comes(&m->halo, list);
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        domain_solve_border(m->domains[k].motion, pass, from, to, own);
+    const bool comes = halo_comes(&m->halo, list);
     const uint64_t begun_ns = ranks_now_ns();
-    const int n = halo_begin_after(&m->halo, m, list, warm, own);
+    const int n = halo_begin_after(&m->halo, m, list, own);
     const uint64_t sent_ns = ranks_now_ns();
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        domain_solve_inner(m->domains[k].motion, pass, to - 1, own);
+        domain_solve_inner(m->domains[k].motion, pass, from, own);
     const uint64_t solved_ns = ranks_now_ns();
-    halo_end_after(&m->halo, m, list, warm, n, own);
+    halo_end_after(&m->halo, m, list, n, own);
     if (comes)
         every_note_exchange(&m->trial, sent_ns - begun_ns + ranks_now_ns() - solved_ns);
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        domain_solve_border(m->domains[k].motion, pass, from, to, own);
 }
 
-// No colour needs ghosts that the last one changed.
-static void solve(moving *m, domain_pass pass, duet_error *own)
+// Ghosts of a list come first. What follows needs those that colours left wrong, unless contacts
+// relaxed: a substep begins with all ghosts that any contact left wrong.
+static void solve(moving *m, domain_pass pass, uint32_t list, duet_error *own)
 {
     const uint32_t colours = m->counts.colours < HALO_COLOURS ? m->counts.colours : HALO_COLOURS;
     for (uint32_t from = 0, to; from < colours; from = to) {
         to = end_of_colours(m, from, colours);
-        solve_until(m, pass, from, to, to < colours ? to - 1 : HALO_END, own);
+        solve_after(m, pass, list, from, to, own);
+        list = to - 1;
     }
+    if (pass != PASS_RELAX || m->n_in_order > 0)
+        halo_exchange_after(&m->halo, m, HALO_END, own);
     if (m->n_in_order > 0)
         solve_in_order(m, pass, own);
 }
@@ -80,7 +85,7 @@ static bool solve_shocks(moving *m, duet_error *own)
 {
     tally t = {.sums = {motion_has_shocks(m->domains[0].motion)}};
     for (int i = 0; t.sums[0] > 0 && i < SHOCK_SWEEPS; ++i) {
-        solve(m, PASS_SHOCKS, own);
+        solve(m, PASS_SHOCKS, HALO_NONE, own);
         t = (tally){0};
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
             bool bounced = false;
@@ -93,15 +98,19 @@ static bool solve_shocks(moving *m, duet_error *own)
     return true;
 }
 
-// The ghosts' velocities and positions change as their owners' do.
+// The impulses to warm start with are sums over contacts, of which a ghost lacks some: velocities
+// that come of them travel in their place. Positions of ghosts change as their owners' do.
 static bool substep(moving *m, duet_error *own)
 {
+    const bool has_shocks = motion_has_shocks(m->domains[0].motion);
     each(m, domain_integrate_velocities, own);
+    if (has_shocks)
+        halo_exchange_after(&m->halo, m, HALO_ANY, own);
     if (!solve_shocks(m, own))
         return false;
-    solve(m, PASS_SOFT, own);
+    solve(m, PASS_SOFT, has_shocks ? HALO_NONE : HALO_ANY, own);
     each(m, domain_integrate_positions, own);
-    solve(m, PASS_RELAX, own);
+    solve(m, PASS_RELAX, HALO_NONE, own);
     return true;
 }
 
@@ -112,8 +121,9 @@ static bool run_substeps(moving *m, duet_error *own)
     bool ok = true;
     for (uint32_t i = 0; ok && i < motion->def.substeps; ++i)
         ok = substep(m, own);
+    halo_exchange_after(&m->halo, m, HALO_END, own);
     if (ok && (motion->facts & FACT_ELASTIC) && !motion_has_shocks(motion))
-        solve(m, PASS_RESTORE, own);
+        solve(m, PASS_RESTORE, HALO_NONE, own);
     return ok;
 }
 
@@ -150,7 +160,6 @@ static void push_sleepers(moving *m, duet_error *own)
     each(m, domain_move_sleepers, own);
 }
 
-// The impulses to warm start with are sums over contacts, of which a ghost lacks some.
 static bool respond(moving *m, duet_error *own)
 {
     tally t;
@@ -161,11 +170,12 @@ static bool respond(moving *m, duet_error *own)
         return false;
     moving_enter(m, PHASE_SUBSTEPS);
     each(m, domain_prepare_contacts, own);
-    halo_exchange_after(&m->halo, m, HALO_ANY, true, own);
     if (!run_substeps(m, own))
         return false;
     moving_enter(m, PHASE_FINALIZE);
-    halo_exchange_late(&m->halo, m, own);
+    const int n = halo_begin_late(&m->halo, m, own);
+    each(m, domain_store_impulses, own);
+    halo_end_late(&m->halo, m, n, own);
     each(m, domain_finalize, own);
     if (t.sums[1] > 0)
         push_sleepers(m, own);

@@ -4,15 +4,15 @@
 //
 //   rows      [n][row_words]
 //   row_parts word at which the first part begins, and how many words are taken; the same of the second
-//   of_four   words that are taken of every four of a part
+//   of_four   words that are taken of every four of the first part; the second is taken whole
 //   row_ids   places, each once: [n_ids] from first_id on
 //   ids       [n_ids] places that the rows had
 //   gathered  [n_ids][words of both parts]; or whole rows, for places that bodies get: of the places that they
 //             had, and 0 where NO_PLACE says that they are new
 static inline size_t place_of_word(uint id, uint row_words, uint4 parts, uint of_four, uint k)
 {
-    uint at = k < parts.y ? parts.x : parts.z, word = k < parts.y ? k : k - parts.y;
-    return (size_t)id * row_words + at + word / of_four * 4 + word % of_four;
+    uint word = k < parts.y ? parts.x + k / of_four * 4 + k % of_four : parts.z + k - parts.y;
+    return (size_t)id * row_words + word;
 }
 
 __kernel void pack_rows(PACK_ROWS_ARGS)

@@ -63,7 +63,7 @@ bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err);
 bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err);
 
 // Two parts of a row by object, in words: where they begin, how many are taken, and how many of
-// every four; 0: all.
+// every four of the first part; 0: all.
 typedef struct row_parts {
     uint32_t at[2], words[2], of_four;
 } row_parts;
@@ -277,8 +277,8 @@ bool domain_integrate_velocities(duet_motion *m, duet_error *err);
 bool domain_integrate_positions(duet_motion *m, duet_error *err);
 bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err);
 
-// A pass does one of these to contacts: to those of colours [from, to), but of the last one to the
-// border's; then to that one's inner ones; and after the colours to one of those of
+// A pass does one of these to contacts: to a colour's inner ones; then to those of colours
+// [from, to), but of the first one to the border's; and after the colours to one of those of
 // COLOUR_OVERFLOW, the domain's i-th.
 typedef enum domain_pass { PASS_SHOCKS, PASS_SOFT, PASS_RELAX, PASS_RESTORE } domain_pass;
 bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32_t to,
@@ -286,7 +286,8 @@ bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32
 bool domain_solve_inner(duet_motion *m, domain_pass pass, uint32_t colour, duet_error *err);
 bool domain_solve_in_order(duet_motion *m, domain_pass pass, uint32_t i, duet_error *err);
 
-// Impulses, events and bodies as they are kept.
+// Impulses as they are kept, which are of contacts alone; then events and bodies.
+bool domain_store_impulses(duet_motion *m, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);
 
 // Push bodies that sleep deep in others: so many rounds (PRESSED_ROUNDS), and then all go.

@@ -49,9 +49,10 @@ static void copy_part(char *part, char *packed, uint32_t words, uint32_t of_four
 
 static void copy_row(char *row, char *packed, const row_parts *parts, bool unpacks)
 {
+    const uint32_t of_four[2] = {taken_of_four(parts), 4};
     for (int k = 0; k < 2; ++k) {
-        copy_part(row + parts->at[k] * sizeof(cl_uint), packed, parts->words[k],
-                  taken_of_four(parts), unpacks);
+        copy_part(row + parts->at[k] * sizeof(cl_uint), packed, parts->words[k], of_four[k],
+                  unpacks);
         packed += parts->words[k] * sizeof(cl_uint);
     }
 }

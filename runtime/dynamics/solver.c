@@ -333,11 +333,11 @@ bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32
                          duet_error *err)
 {
     const kernel *k = begin_pass(m, pass);
-    const colour_span *last = &m->solver.colours[to - 1];
-    if (last->border == last->count)
+    const colour_span *first = &m->solver.colours[from];
+    if (first->border == first->count)
         return launch_between(m, k, from, to, err);
-    return launch_between(m, k, from, to - 1, err) &&
-           launch_some(m, k, to - 1, 0, last->border, err);
+    return launch_some(m, k, from, 0, first->border, err) &&
+           launch_between(m, k, from + 1, to, err);
 }
 
 // A device that is the host's own is waited for: whoever then waits for messages takes a core.
@@ -357,8 +357,13 @@ bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err)
     return ok;
 }
 
+bool domain_store_impulses(duet_motion *m, duet_error *err)
+{
+    return m->n == 0 || store_impulses(m, err);
+}
+
 bool domain_finalize(duet_motion *m, duet_error *err)
 {
-    return m->n == 0 || (store_impulses(m, err) && domain_note_events(m, err) &&
+    return m->n == 0 || (domain_note_events(m, err) &&
                          motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err));
 }
