@@ -80,8 +80,8 @@ static inline bool extent_within(const extent *inner, const extent *outer)
     return within;
 }
 
-// Whether what lay in one box and is in another now moved so far that a grid fitted to it pays to be
-// fitted anew: by a quarter of the width that it took, on any side.
+// Whether what lay in one box and is in another now moved so far that a grid fitted to it pays to
+// be fitted anew: by a quarter of the width that it took, on any side.
 static inline bool extent_has_moved(const extent *fitted, const extent *now)
 {
     bool moved = false;
