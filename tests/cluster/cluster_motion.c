@@ -700,6 +700,29 @@ static void cells_follow_bodies(void)
     duet_cluster_destroy(cluster);
 }
 
+// A step that one domain searches its pairs for has all of them search.
+static void domains_search_together(void)
+{
+    const moving_scene s = {"falling", {{"n", "200"}, {"sleep", "false"}}, 2, 160, 0, 0};
+    duet_cluster_motion_result result;
+    uint32_t searched = 0;
+    duet_cluster *cluster = begin_on(3, def_of(2, 1), &s);
+    for (uint32_t i = 0; cluster && i < s.steps; ++i) {
+        uint64_t counts[2] = {0};
+        must(duet_cluster_advance(cluster, &result, ERR));
+        for (uint32_t k = 0; k < cluster->moving->parts; ++k) {
+            duet_motion *motion = cluster->moving->domains[k].motion;
+            counts[0] += motion->n > 0;
+            counts[1] += !domain_is_bounded(motion);
+        }
+        ranks_sum(&cluster->ranks, counts, 2);
+        MUST(counts[1] == 0 || counts[1] == counts[0], "all domains search, or none does");
+        searched += counts[1] > 0;
+    }
+    MUST(!cluster || (searched > 2 && searched < s.steps), "some steps have a search");
+    duet_cluster_destroy(cluster);
+}
+
 // ---------------------------------------------------------------- checkpoints
 
 // Takes steps of a pile on so many ranks, from a file or from the beginning, and saves it.
@@ -1659,6 +1682,7 @@ int main(int argc, char **argv)
     ghosts_that_are_tried_change_nothing();
     borders_follow_bodies();
     cells_follow_bodies();
+    domains_search_together();
     ranks_have_alike_much_to_do();
     what_waits_is_told_to_who_has_an_end();
     a_flight_has_one_motions_bits();
