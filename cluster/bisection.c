@@ -21,22 +21,30 @@ void bisection_end(bisection *b)
     *b = (bisection){0};
 }
 
-static uint32_t widest_axis(const bisection_point *points, uint64_t n)
+// A last cut across a side that is at least this part of the widest one stays across it: else half
+// of the points would change parts as sides of almost one width take turns.
+static const double wide_enough = 0.95;
+
+static double width_along(const bisection_point *points, uint64_t n, uint32_t axis)
 {
-    uint32_t widest = 0;
-    double width = -1;
-    for (uint32_t k = 0; k < 3; ++k) {
-        double least = INFINITY, greatest = -INFINITY;
-        for (uint64_t i = 0; i < n; ++i) {
-            least = fmin(least, points[i].at[k]);
-            greatest = fmax(greatest, points[i].at[k]);
-        }
-        if (greatest - least > width) {
-            width = greatest - least;
-            widest = k;
-        }
+    double least = INFINITY, greatest = -INFINITY;
+    for (uint64_t i = 0; i < n; ++i) {
+        least = fmin(least, points[i].at[axis]);
+        greatest = fmax(greatest, points[i].at[axis]);
     }
-    return widest;
+    return greatest - least;
+}
+
+static uint32_t choose_axis(const bisection_plane *last, const bisection_point *points, uint64_t n)
+{
+    double widths[3];
+    uint32_t widest = 0;
+    for (uint32_t k = 0; k < 3; ++k) {
+        widths[k] = width_along(points, n, k);
+        widest = widths[k] > widths[widest] ? k : widest;
+    }
+    const bool stays = isfinite(last->at) && widths[last->axis] >= wide_enough * widths[widest];
+    return stays ? last->axis : widest;
 }
 
 static int compare(double a, double b)
@@ -91,7 +99,8 @@ static void cut_in_two(bisection *b, const double *weights, bisection_point *poi
     static int (*const along[])(const void *, const void *) = {along_x, along_y, along_z};
     if (end - first < 2)
         return;
-    uint32_t middle = first + (end - first) / 2, axis = widest_axis(points, n);
+    const uint32_t middle = first + (end - first) / 2;
+    const uint32_t axis = choose_axis(&b->planes[middle], points, n);
     double lower = sum_of_weights(weights, first, middle);
     double upper = sum_of_weights(weights, middle, end), all = 0;
     for (uint64_t i = 0; i < n; ++i)

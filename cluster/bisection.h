@@ -32,7 +32,8 @@ typedef struct bisection {
 bool bisection_begin(bisection *b, uint32_t n, duet_error *err);
 void bisection_end(bisection *b);
 
-// Cuts anew; the points change places. NULL weights, [n], are alike.
+// Cuts anew, across the same sides as long as these are about as wide as any; the points change
+// places. NULL weights, [n], are alike.
 void bisection_cut(bisection *b, const double *weights, bisection_point *points, uint64_t n_points);
 
 // Returns a part's box within another one: it holds points with lower <= centre < upper.

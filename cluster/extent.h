@@ -80,6 +80,19 @@ static inline bool extent_within(const extent *inner, const extent *outer)
     return within;
 }
 
+// Whether what lay in one box and is in another now moved so far that a grid fitted to it pays to
+// be fitted anew: by a quarter of the width that it took, on any side.
+static inline bool extent_has_moved(const extent *fitted, const extent *now)
+{
+    bool moved = false;
+    for (int k = 0; k < 3; ++k) {
+        const double far = 0.25 * (fitted->upper[k] - fitted->lower[k]);
+        moved = moved || fabs(now->lower[k] - fitted->lower[k]) > far ||
+                fabs(now->upper[k] - fitted->upper[k]) > far;
+    }
+    return moved;
+}
+
 // Whether a point lies inside, and not on the surface.
 static inline bool extent_holds(const extent *e, const double point[3])
 {

@@ -76,6 +76,7 @@ typedef struct moving_domain {
     item_list came;   // travellers that the motion is to get, its own ones first, and so many
     uint64_t n_came_own;
     extent reach;       // of own bodies that act and stay
+    extent fitted;      // its reach when the grid of its pairs was last fitted
     item_list shared;   // contacts of ghosts that came, while they are shared
     item_list contacts; // ascending; those that travelled and the next step begins with, until that
                         // begins

@@ -282,6 +282,15 @@ static void find_carrier(const moving *m, const moving_domain *d)
         domain_set_carrier(d->motion, place);
 }
 
+// A grid that bodies left has them all in its border cells.
+static void follow(const moving *m, moving_domain *d)
+{
+    if (!m->reaches || !extent_has_moved(&d->fitted, &m->reaches[d->number]))
+        return;
+    motion_refit_grid(d->motion);
+    d->fitted = m->reaches[d->number];
+}
+
 // Places stay as they were until contacts are kept.
 static void replace(moving *m, moving_domain *d, replacement *r, duet_error *own)
 {
@@ -309,6 +318,7 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
         !row_order(&d->came, m->traveller_bytes, key_of_traveller))
         error_set(own, DUET_STATUS_NO_MEMORY, "what came to a domain: no memory");
     moving_keep_base(m, d->motion);
+    follow(m, d);
     if (is_well(own) && !reserve(m, d, &r, own))
         error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory", r.bodies.n);
     else if (is_well(own) && grow(d, r.bodies.n, own))

@@ -288,16 +288,33 @@ static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *o
     return stay;
 }
 
+// Once one domain has to search its pairs, all do: a step lasts as long as its slowest rank, and
+// domains that search by turns have one in nearly each step. Sets whether a domain lacks some of
+// its pairs.
+static bool search_together(moving *m, bool *lacks, duet_error *own)
+{
+    tally t = {.sums = {0}};
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
+        domain_forget_bounds(m->domains[k].motion);
+        t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
+    }
+    bool ok = ranks_agree_and(m->ranks, is_well(own), &t, own);
+    *lacks = t.sums[0] > 0;
+    return ok;
+}
+
 // All ranks know whether a body is to be a ghost elsewhere.
 static bool settle_where_due(moving *m, duet_error *own)
 {
     tally t = {.sums = {0}};
-    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
-        t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
+    bool lacks = false;
+    for (uint32_t k = 0; k < m->parts; ++k)
+        t.sums[0] += !domain_is_bounded(m->domains[k].motion);
     moving_note_work(m, &t);
-    if (!ranks_agree_and(m->ranks, is_well(own), &t, own) || !moving_compare_work(m, &t, own))
+    if (!ranks_agree_and(m->ranks, is_well(own), &t, own) || !moving_compare_work(m, &t, own) ||
+        (t.sums[0] > 0 && !search_together(m, &lacks, own)))
         return false;
-    return (t.sums[0] == 0 && !moving_cut_is_due(m)) || moving_settle(m, own);
+    return (!lacks && !moving_cut_is_due(m)) || moving_settle(m, own);
 }
 
 // The only domain's bodies are a motion of their own.

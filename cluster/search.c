@@ -69,23 +69,10 @@ static bool has_boundary_worker(duet_cluster *c)
     return c->workers[1];
 }
 
-// Whether the objects moved so far that a new grid pays: by a quarter of the width that they take,
-// on any side.
-static bool have_moved(const owned *o)
-{
-    bool moved = false;
-    for (int k = 0; k < 3; ++k) {
-        double far = 0.25 * (o->fitted.upper[k] - o->fitted.lower[k]);
-        moved = moved || fabs(o->around.lower[k] - o->fitted.lower[k]) > far ||
-                fabs(o->around.upper[k] - o->fitted.upper[k]) > far;
-    }
-    return moved;
-}
-
 // Tells the workers if the objects lie elsewhere than before.
 static void follow(duet_cluster *c)
 {
-    if (!have_moved(&c->owned))
+    if (!extent_has_moved(&c->owned.fitted, &c->owned.around))
         return;
     for (int i = 0; i < 2; ++i)
         if (c->workers[i])

@@ -85,7 +85,7 @@ static void forget_grids(worker *w)
 {
     worker_pair *p = (worker_pair *)w;
     forget_fits(p);
-    p->world->fitted_n = 0;
+    world_refit_grid(p->world);
 }
 
 static bool use_grid(worker *w, uint32_t domain, duet_error *err)

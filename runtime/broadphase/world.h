@@ -120,6 +120,10 @@ void world_change_level(duet_world *world, duet_level level);
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);
 
+// The same, but as another grid of the same objects, which moved: kernels have no cells of it
+// compiled in.
+void world_refit_grid(duet_world *world);
+
 // A grid that was fitted to n objects; 0: there is none.
 typedef struct world_fit {
     uint32_t n;

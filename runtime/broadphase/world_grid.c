@@ -59,6 +59,11 @@ void world_forget_grid(duet_world *world)
     world->grid = (grid){0};
 }
 
+void world_refit_grid(duet_world *world)
+{
+    world->fitted_n = 0;
+}
+
 static bool is_fitted(const duet_world *world)
 {
     const uint64_t n = world->objects.all.n, fitted = world->fitted_n;

@@ -133,6 +133,12 @@ bool motion_take_search(duet_motion *m, duet_result *search)
     return search->total_ms > 0;
 }
 
+void motion_refit_grid(duet_motion *m)
+{
+    if (m->graph.world)
+        world_refit_grid(m->graph.world);
+}
+
 // ---------------------------------------------------------------- rows
 
 // Counts (fill 0) or writes (fill 1) what each object may touch.

@@ -26,6 +26,9 @@ bool motion_make_rows(duet_motion *m, duet_error *err);
 // call.
 bool motion_take_search(duet_motion *m, duet_result *search);
 
+// Lets the next search fit its grid anew: bodies lie elsewhere than before.
+void motion_refit_grid(duet_motion *m);
+
 // Sends a check that sets FLAG_MOVED if a body has left its bounds, of all bodies or of the listed
 // ones; once flags are read, notes in
 // the products whether bounds hold.

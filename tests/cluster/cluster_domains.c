@@ -65,6 +65,37 @@ static void a_part_is_its_box(void)
     }
 }
 
+// Points of a box with these sides, and its cut into four parts.
+static void cut_box(bisection *b, rng *r, const double sides[3])
+{
+    enum { POINTS = 2000 };
+    bisection_point points[POINTS];
+    for (int i = 0; i < POINTS; ++i) {
+        points[i].weight = 1;
+        for (int k = 0; k < 3; ++k)
+            points[i].at[k] = rng_between(r, 0, sides[k]);
+    }
+    bisection_cut(b, NULL, points, POINTS);
+}
+
+// Sides of almost one width take turns in being the widest, and cuts stay across those that they
+// were across; one that is far wider is cut.
+static void cuts_stay_across_their_sides(void)
+{
+    rng r = rng_seed(15);
+    bisection b;
+    must(bisection_begin(&b, 4, ERR));
+    cut_box(&b, &r, (const double[]){10, 9, 2});
+    MUST(b.planes[2].axis == 0 && b.planes[1].axis == 1 && b.planes[3].axis == 1, "the widest");
+    for (int i = 0; i < 20; ++i) {
+        cut_box(&b, &r, (const double[]){rng_between(&r, 9.8, 10), rng_between(&r, 9.8, 10), 2});
+        MUST(b.planes[2].axis == 0 && fabs(b.planes[2].at - 4.95) < 0.5, "the same sides");
+    }
+    cut_box(&b, &r, (const double[]){10, 20, 2});
+    MUST(b.planes[2].axis == 1 && fabs(b.planes[2].at - 10) < 1, "a side that is far wider");
+    bisection_end(&b);
+}
+
 // Each object passed over is sound and lies inside, and none is wider than is said.
 static void what_is_skimmed_is_deep_inside(void)
 {
@@ -262,6 +293,7 @@ int main(int argc, char **argv)
     job_begin(&argc, &argv, 1, 20261122);
     levels_are_octaves_below_the_widest();
     a_part_is_its_box();
+    cuts_stay_across_their_sides();
     what_is_skimmed_is_deep_inside();
     extents_hold_what_devices_take();
     rows_come_to_their_domains();

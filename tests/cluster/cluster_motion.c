@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "base/text_file.h"
 #include "kernels/dynamics/records.h"
+#include "runtime/broadphase/world.h"
 
 #include <math.h>
 #include <string.h>
@@ -656,6 +657,72 @@ static void borders_follow_bodies(void)
     MUST(most_own(cluster) == 400, "all are of one domain");
     must(duet_cluster_advance(cluster, &result, ERR));
     MUST(most_own(cluster) <= 104, "a quarter is each domain's");
+    duet_cluster_destroy(cluster);
+}
+
+// Own bodies and ghosts whose bounds begin outside of the cells in which pairs were searched, or
+// nearly so, and how many there are.
+static void count_outside(const moving_domain *d, uint64_t counts[2])
+{
+    const grid_level *cells = &d->motion->graph.world->grid.levels[0];
+    float *bounds = malloc(6 * (d->bodies.n + 1) * sizeof *bounds);
+    MUST(bounds, "memory");
+    domain_forget_bounds(d->motion);
+    must(domain_read_bounds(d->motion, bounds, ERR));
+    for (uint64_t i = 0; i < d->bodies.n; ++i) {
+        bool inside = true;
+        for (int k = 0; k < 3; ++k) {
+            const float at = (bounds[6 * i + k] - cells->lower.s[k]) * cells->per_cell.s[k];
+            inside &= at > -1.0f && at < (float)cells->cells.s[k] + 1.0f;
+        }
+        counts[0] += !inside;
+        ++counts[1];
+    }
+    free(bounds);
+}
+
+// The world is cut across another side, and each domain's bodies lie elsewhere than before: the
+// cells in which it searches pairs are where they are.
+static void cells_follow_bodies(void)
+{
+    const moving_scene s = {"falling", {{"n", "2000"}}, 1, 0, 0, 0};
+    duet_cluster_motion_result result;
+    duet_cluster *cluster = begin_on(2, def_of(1, 1), &s);
+    if (!cluster)
+        return;
+    moving *m = cluster->moving;
+    for (uint32_t axis = 0; axis < 4; ++axis) {
+        uint64_t counts[2] = {0};
+        m->cuts.planes[1] = (bisection_plane){8.5, axis % 2};
+        must(moving_settle(m, ERR));
+        must(duet_cluster_advance(cluster, &result, ERR));
+        count_outside(&m->domains[0], counts);
+        MUST(counts[1] >= 900 && counts[0] == 0, "bodies lie in the cells");
+    }
+    duet_cluster_destroy(cluster);
+}
+
+// A step that one domain searches its pairs for has all of them search.
+static void domains_search_together(void)
+{
+    const moving_scene s = {"falling", {{"n", "3000"}}, 1, 30, 0, 0};
+    duet_cluster_motion_result result;
+    uint32_t searched = 0;
+    duet_cluster *cluster = begin_on(3, def_of(2, 1), &s);
+    for (uint32_t i = 0; cluster && i < s.steps; ++i) {
+        uint64_t counts[2] = {0};
+        must(duet_cluster_advance(cluster, &result, ERR));
+        for (uint32_t k = 0; k < cluster->moving->parts; ++k) {
+            duet_motion *motion = cluster->moving->domains[k].motion;
+            duet_result search;
+            counts[0] += motion->n > 0;
+            counts[1] += motion_take_search(motion, &search);
+        }
+        ranks_sum(&cluster->ranks, counts, 2);
+        MUST(counts[1] == 0 || counts[1] == counts[0], "all domains search, or none does");
+        searched += counts[1] > 0;
+    }
+    MUST(!cluster || (searched > 5 && searched + 5 < s.steps), "some steps have a search");
     duet_cluster_destroy(cluster);
 }
 
@@ -1620,6 +1687,8 @@ int main(int argc, char **argv)
     colours_between_change_nothing(seed);
     ghosts_that_are_tried_change_nothing();
     borders_follow_bodies();
+    cells_follow_bodies();
+    domains_search_together();
     ranks_have_alike_much_to_do();
     what_waits_is_told_to_who_has_an_end();
     a_flight_has_one_motions_bits();
