@@ -374,7 +374,7 @@ static inline uint8 ranks_among(const uint *values, uint n, uint8 own)
     return ranks;
 }
 
-// Sorts two to 16 values, none of which is another's equal: each goes behind those that are less, without a branch that
+// Sorts 16 values at most, none of which is another's equal: each goes behind those that are less, without a branch that
 // depends on them.
 static inline void rank_sort(__global uint *values, uint n)
 {
@@ -394,10 +394,10 @@ static inline void sort_rows_of(const bucket_maker *m, uint2 range, volatile __g
     uint from = min(range.x << m->shift, m->n_rows), to = min(range.y << m->shift, m->n_rows);
     for (uint row = from; row < to; ++row) {
         uint start = starts[row], n = (row + 1 < to ? starts[row + 1] : m->begins[range.y]) - start;
-        if (n > 16)
-            sort_row(values + start, n);
-        else if (n > 1)
+        if (n > 4 && n <= 16)
             rank_sort(values + start, n);
+        else if (n > 1)
+            sort_row(values + start, n);
     }
 }
 
