@@ -374,11 +374,10 @@ static inline uint8 ranks_among(const uint *values, uint n, uint8 own)
     return ranks;
 }
 
-// Sorts 16 values at most, none of which is another's equal: each goes behind those that are less, without a branch that
-// depends on them.
+// Sorts 16 different values at most: each goes behind those that are less, without a branch that depends on them.
 static inline void rank_sort(__global uint *values, uint n)
 {
-    uint each[16], ranks[16];
+    uint each[16] = {0}, ranks[16];
     for (uint k = 0; k < n; ++k)
         each[k] = values[k];
     for (uint k = 0; k < n; k += 8)
@@ -387,7 +386,7 @@ static inline void rank_sort(__global uint *values, uint n)
         values[ranks[k]] = each[k];
 }
 
-// Sorts the rows of those buckets. Where the last one ends another group may not have written yet.
+// Sorts the rows of those buckets. The start behind the last one is another group's, which may not have written it yet.
 static inline void sort_rows_of(const bucket_maker *m, uint2 range, volatile __global const uint *starts,
                                 __global uint *values)
 {

@@ -6,7 +6,7 @@
 // work-item goes through both side by side.
 //
 //   starts, others  the new rows
-#define AHEAD 16 // contacts whose records are asked for in time
+#define AHEAD (WG == 1 ? 16 : 8) // contacts whose records are asked for in time
 
 // The first place from low on whose other is not below.
 static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
@@ -21,7 +21,7 @@ static inline uint place_of(__global const uint *others, uint low, uint high, ui
     return low;
 }
 
-// Two floats at a time, where a record has an even number.
+// Two floats at a time, where a record has an even number; a CPU, whose stores wait in a short queue, eight.
 #if RECORD % 2
 typedef float piece;
 #else
@@ -59,8 +59,8 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
         while (low < end && others[low] < link.y)
             ++low;
         uint ahead = min(i + AHEAD, last - 1);
-        uint asked = old_touches[ahead] & TOUCH_POINTS;
-        for (uint k = 0; asked > 0 && k < HEAD + asked * POINT_FLOATS; k += 16)
+        uint asked = old_touches[ahead] & TOUCH_POINTS, words = WG == 1 ? HEAD + asked * POINT_FLOATS : 32;
+        for (uint k = 0; asked > 0 && k < words; k += 16)
             ask_for(old_contacts + (size_t)ahead * RECORD + k);
         uint touch = old_touches[i], points = touch & TOUCH_POINTS;
         __global const float *old = old_contacts + (size_t)i * RECORD;
