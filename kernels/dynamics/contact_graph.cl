@@ -329,7 +329,7 @@ static inline void end_part(const bucket_maker *m, uint place)
         m->counts[place * ROW_BUCKETS + b] = m->to.places[b];
 }
 
-// Makes the rows from `from` up to `to` of the entries between x and y.
+// Makes the rows from `from` up to `to` of the entries between x and y, each row in the order of its entries.
 static inline void make_bucket(const row_sink *entries, uint2 at, uint from, uint to, volatile __global uint *starts,
                                __global uint *values)
 {
@@ -349,7 +349,6 @@ static inline void make_bucket(const row_sink *entries, uint2 at, uint from, uin
     }
     for (uint row = from, start = at.x; row < to; ++row) { // a row's start was moved to its end
         uint end = starts[row];
-        sort_row(values + start, end - start);
         starts[row] = start;
         start = end;
     }
@@ -363,6 +362,41 @@ static inline void make_rows_of(const bucket_maker *m, uint2 range, volatile __g
         make_bucket(&m->to, at, from, to, starts, values);
         if (to == m->n_rows)
             starts[to] = at.y;
+    }
+}
+
+// Ranks eight values among n: how many are less.
+static inline uint8 ranks_among(const uint *values, uint n, uint8 own)
+{
+    uint8 ranks = 0;
+    for (uint k = 0; k < n; ++k)
+        ranks -= as_uint8(own > values[k]);
+    return ranks;
+}
+
+// Sorts 16 different values at most: each goes behind those that are less, without a branch that depends on them.
+static inline void rank_sort(__global uint *values, uint n)
+{
+    uint each[16] = {0}, ranks[16];
+    for (uint k = 0; k < n; ++k)
+        each[k] = values[k];
+    for (uint k = 0; k < n; k += 8)
+        vstore8(ranks_among(each, n, vload8(0, each + k)), 0, ranks + k);
+    for (uint k = 0; k < n; ++k)
+        values[ranks[k]] = each[k];
+}
+
+// Sorts the rows of those buckets. The start behind the last one is another group's, which may not have written it yet.
+static inline void sort_rows_of(const bucket_maker *m, uint2 range, volatile __global const uint *starts,
+                                __global uint *values)
+{
+    uint from = min(range.x << m->shift, m->n_rows), to = min(range.y << m->shift, m->n_rows);
+    for (uint row = from; row < to; ++row) {
+        uint start = starts[row], n = (row + 1 < to ? starts[row + 1] : m->begins[range.y]) - start;
+        if (n > 4 && n <= 16)
+            rank_sort(values + start, n);
+        else if (n > 1)
+            sort_row(values + start, n);
     }
 }
 
@@ -392,8 +426,11 @@ __kernel void make_rows(MAKE_ROWS_ARGS)
         }
         END_STAGE(&t);
     }
-    IN_STAGE(&t, &part, parts_of(&t, n, TEAM_LEAST_BODIES))
-        make_rows_of(&m, range_of(&t, part, count_buckets(&m)), starts, others);
+    IN_STAGE(&t, &part, parts_of(&t, n, TEAM_LEAST_BODIES)) {
+        uint2 range = range_of(&t, part, count_buckets(&m));
+        make_rows_of(&m, range, starts, others);
+        sort_rows_of(&m, range, starts, others);
+    }
 }
 
 __kernel void make_returns(MAKE_RETURNS_ARGS)

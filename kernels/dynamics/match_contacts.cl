@@ -6,7 +6,7 @@
 // work-item goes through both side by side.
 //
 //   starts, others  the new rows
-#define AHEAD 8 // contacts whose records are asked for in time
+#define AHEAD (WG == 1 ? 16 : 8) // contacts whose records are asked for in time
 
 // The first place from low on whose other is not below.
 static inline uint place_of(__global const uint *others, uint low, uint high, uint other)
@@ -21,7 +21,7 @@ static inline uint place_of(__global const uint *others, uint low, uint high, ui
     return low;
 }
 
-// Two floats at a time, where a record has an even number.
+// Two floats at a time, where a record has an even number; a CPU, whose stores wait in a short queue, eight.
 #if RECORD % 2
 typedef float piece;
 #else
@@ -31,8 +31,13 @@ typedef float2 piece;
 static inline void copy_record(__global float *to, __global const float *from, uint floats)
 {
     const uint each = sizeof(piece) / sizeof(float);
-    for (uint k = 0; k * each < floats; ++k)
-        ((__global piece *)to)[k] = ((__global const piece *)from)[k];
+    uint k = 0;
+#if WG == 1
+    for (; k + 8 <= floats; k += 8)
+        vstore8(vload8(0, from + k), 0, to + k);
+#endif
+    for (; k < floats; k += each)
+        *(__global piece *)(to + k) = *(__global const piece *)(from + k);
 }
 
 __kernel void match_contacts(MATCH_CONTACTS_ARGS)
@@ -54,10 +59,9 @@ __kernel void match_contacts(MATCH_CONTACTS_ARGS)
         while (low < end && others[low] < link.y)
             ++low;
         uint ahead = min(i + AHEAD, last - 1);
-        if (old_touches[ahead] & TOUCH_POINTS) {
-            ask_for(old_contacts + (size_t)ahead * RECORD);
-            ask_for(old_contacts + (size_t)ahead * RECORD + 16);
-        }
+        uint asked = old_touches[ahead] & TOUCH_POINTS, words = WG == 1 ? HEAD + asked * POINT_FLOATS : 32;
+        for (uint k = 0; asked > 0 && k < words; k += 16)
+            ask_for(old_contacts + (size_t)ahead * RECORD + k);
         uint touch = old_touches[i], points = touch & TOUCH_POINTS;
         __global const float *old = old_contacts + (size_t)i * RECORD;
         if (low < end && others[low] == link.y) {

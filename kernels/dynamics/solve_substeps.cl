@@ -32,12 +32,23 @@ static inline void move_bodies(const substep *s, uint2 range)
 #endif
 }
 
+#if LANES > 1
+// Asks for the points of a block's records, as many as the present block has: neighbours have as many.
+static inline void ask_for_points(const source *from, __global const uint *list, int points)
+{
+    for (uint k = 0; k < LANES; ++k)
+        for (int p = 0; p < points; ++p)
+            ask_for(from->contacts + (size_t)list[k] * RECORD + HEAD + p * POINT_FLOATS + OF_NORMAL_IMPULSE);
+}
+#endif
+
 // The impulses of the last substep, while a cache has them.
 static inline void store_part(const solver *s, const source *from, const colour_part *part, uint k)
 {
 #if LANES > 1
     if (k + 2 * LANES <= part->to)
-        ask_for_records(from, s->list + part->first + k + LANES);
+        ask_for_points(from, s->list + part->first + k + LANES,
+                       most_points(points_of(constraint_at(s->blocks, part, k))));
 #endif
     for (uint i = k; i < min(k + LANES, part->to); ++i)
         store_contact(constraint_at(s->blocks, part, i), s->contacts + (size_t)s->list[part->first + i] * RECORD);
