@@ -37,7 +37,7 @@ return {
       uint hopes
       volatile uint *flags
       volatile uint *team
-      uint stage     if TEAM == 1
+      uint stage
     ]],
   },
   valid = common.can_double,

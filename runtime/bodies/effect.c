@@ -11,10 +11,10 @@ static const effect_row rows[] = {
     {DUET_EFFECT_CONTACT_RESPONSE, "contact_response", DUET_EFFECT_CONTACT | DUET_EFFECT_MOTION,
      "a restitution or a friction, or wants", "pushes",
      "contact_graph, match_contacts, build_manifolds, graph_colour, colour_contacts, "
-     "prepare_contacts, bodies, "
-     "solve_contacts, solve_substeps, integrate_positions, contact_events"},
+     "prepare_contacts, bodies, solve_contacts, solve_substeps, integrate_positions, "
+     "contact_events"},
     {DUET_EFFECT_SENSORS, "sensors", DUET_EFFECT_EVENTS | DUET_EFFECT_CONTACT, "a sensor, or wants",
-     "sensors", "contact_graph, build_manifolds, graph_colour, update_sleep"},
+     "sensors", "contact_graph, build_manifolds, graph_colour, colour_contacts, update_sleep"},
     {DUET_EFFECT_EVENTS, "events", DUET_EFFECT_CONTACT, "wants, or a hit_speed", "touching",
      "contact_events"},
     {DUET_EFFECT_CONTACT, "contact", 0, "contact_response, or wants", NULL,
@@ -35,8 +35,7 @@ static const effect_row rows[] = {
      "angular_velocity",
      "integrate_free_flight, fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, "
      "graph_colour, colour_contacts, prepare_contacts, bodies, solve_contacts, solve_substeps, "
-     "integrate_positions, "
-     "contact_events"},
+     "integrate_positions, contact_events"},
     {DUET_EFFECT_ROTATION, "rotation", 0,
      "a rotation that is not the identity, with motion or contact; or angular_velocity",
      "rotations", "integrate_free_flight, fat_aabbs, build_manifolds"},
@@ -44,8 +43,7 @@ static const effect_row rows[] = {
      "fat_aabbs, build_manifolds, bodies, solve_contacts, solve_substeps, integrate_free_flight"},
     {DUET_EFFECT_FRICTION, "friction", DUET_EFFECT_CONTACT_RESPONSE, "a friction", "friction",
      "match_contacts, build_manifolds, update_sleep, graph_colour, colour_contacts, "
-     "prepare_contacts, "
-     "solve_contacts, solve_substeps, integrate_positions, contact_events"},
+     "prepare_contacts, solve_contacts, solve_substeps, integrate_positions, contact_events"},
     {DUET_EFFECT_ROLLING_RESISTANCE, "rolling_resistance",
      DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_ANGULAR_VELOCITY | DUET_EFFECT_RADIUS,
      "a rolling_resistance and a radius, with contact_response", "rolling_resistances",
@@ -71,8 +69,7 @@ static const effect_row rows[] = {
      "contact_graph"},
     {DUET_EFFECT_SLEEP, "sleep", DUET_EFFECT_CONTACT_RESPONSE, "wants", "asleep",
      "fat_aabbs, match_contacts, awake, build_manifolds, update_sleep, bodies, graph_colour, "
-     "colour_contacts, "
-     "integrate_positions, solve_substeps"},
+     "colour_contacts, integrate_positions, solve_substeps"},
     {DUET_EFFECT_GROUND, "ground", DUET_EFFECT_CONTACT, "heights or a mesh, with contact",
      "ground_origin", "contact_graph, build_manifolds"},
     {DUET_EFFECT_SKIN, "skin", DUET_EFFECT_CONTACT, "a skin above 0", "check_fat_aabbs",
