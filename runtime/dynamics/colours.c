@@ -130,11 +130,15 @@ static bool list_none(duet_motion *m)
     return true;
 }
 
-// Whether one launch does all of it: by a team, or by groups that meet.
+// Whether one launch does all of it: by groups that meet, or by a team, unless a plan sets groups
+// for the launches.
 static bool colours_at_once(const duet_motion *m)
 {
     const kernel *k = m->kernels.colour_contacts;
-    return k && (team_takes(k) || kernel_param(k, "MEET") == 1);
+    if (!k)
+        return false;
+    return kernel_param(k, "MEET") == 1 ||
+           (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
 }
 
 // Stages of a team that marks and sorts, and of each of its rounds; rounds that a launch is thought
