@@ -50,6 +50,16 @@ static size_t read_block(FILE *file, char *block, size_t size)
     return n < 0 ? fread(block, 1, size, file) : (size_t)n; // which keeps the failure
 }
 
+// Devices as /dev/zero have no end.
+static bool check_length(const text *t, const struct stat *info, const char *path, duet_error *err)
+{
+    enum { DEVICE_MOST = 1 << 28 };
+    return !S_ISCHR(info->st_mode) || t->length <= DEVICE_MOST ||
+           error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: a device with more than %d MiB; expected a file", path,
+                     DEVICE_MOST >> 20);
+}
+
 // Ctrl-C ends the program that writes into a pipe as well, and maybe before it is heard here.
 static bool check_end(const text *t, duet_error *err)
 {
@@ -77,7 +87,8 @@ static bool read_file(text *t, const char *path, bool is_text, duet_error *err)
     while (ok && (n = read_block(file, block, sizeof block)) > 0) {
         text_add_bytes(t, block, n);
         budget_tell(t->length, S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0);
-        ok = text_ok(t, err) && budget_check(err) && budget_space(t->length, err) &&
+        ok = text_ok(t, err) && check_length(t, &info, path, err) && budget_check(err) &&
+             budget_space(t->length, err) &&
              (!is_text || check_text(t, block, n, &line, path, err));
     }
     ok = ok && (!is_stdin || check_end(t, err));

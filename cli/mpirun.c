@@ -347,7 +347,8 @@ static bool is_mpirun_asked(const job *j)
 static bool explain(const job *j, int *status, duet_error *err)
 {
     int code = WIFEXITED(j->status) ? WEXITSTATUS(j->status) : 0;
-    *status = code == 0 ? EXIT_OK : code - MPIRUN_TOLD;
+    int told = code == 0 ? EXIT_OK : code - MPIRUN_TOLD;
+    *status = EXIT_OK;
     if (interrupt_asked() || j->stopped || is_mpirun_asked(j))
         return error_set(err, DUET_STATUS_INTERRUPTED, "stopped");
     if (j->asked_ns > 0)
@@ -368,8 +369,10 @@ static bool explain(const job *j, int *status, duet_error *err)
                          WTERMSIG(j->status), strsignal(WTERMSIG(j->status)));
     if (code > 128 && code <= 128 + LAST_SIGNAL)
         return fail_by_signal(j, code - 128, err);
-    return *status == EXIT_OK || *status == EXIT_FAILED || *status == EXIT_WRONG ||
-           fail_by_status(j, code, err);
+    if (told != EXIT_OK && told != EXIT_FAILED && told != EXIT_WRONG)
+        return fail_by_status(j, code, err);
+    *status = told;
+    return true;
 }
 
 bool mpirun_run(const mpirun_job *what, int *status, duet_error *err)
@@ -380,11 +383,11 @@ bool mpirun_run(const mpirun_job *what, int *status, duet_error *err)
     prepare(what);
     listen_for_ranks(&j);
     prctl(PR_SET_CHILD_SUBREAPER, 1);
-    if (!spawn(&j, err))
-        return false;
-    bool ok = wait_for(&j) ||
-              error_set(err, DUET_STATUS_IO_FAILED, "mpirun is gone: %s", strerror(errno));
+    interrupt_react(INTERRUPT_AWAITED); // mpirun is given longer to end than this program is
+    bool ok = spawn(&j, err) && (wait_for(&j) || error_set(err, DUET_STATUS_IO_FAILED,
+                                                           "mpirun is gone: %s", strerror(errno)));
     end_rest(&j);
+    interrupt_react(INTERRUPT_NOTED);
     if (j.err_pipe >= 0)
         close(j.err_pipe);
     if (j.asked >= 0)

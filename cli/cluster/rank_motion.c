@@ -63,7 +63,8 @@ static bool take_begin(moved *r, const char *resume, duet_error *err)
                      counts.step);
 }
 
-// A given plan is kept, as in duet run, and so are the ghosts of a tuning.
+// A given plan is kept, as in duet run, and so are the ghosts of a tuning. Bodies that nothing
+// happens to have no profile.
 static bool choose_ghosts(moved *r, duet_error *err)
 {
     duet_profile profile;
@@ -71,7 +72,8 @@ static bool choose_ghosts(moved *r, duet_error *err)
     r->grade = DUET_GRADE_DEFAULT;
     if (r->args->tune_colours)
         return rank_tune_begin(&r->tune, r->cluster, r->args->steps - r->last.step, err);
-    if (inputs_plan_given(&r->args->plan))
+    if (inputs_plan_given(&r->args->plan) ||
+        duet_motion_get_effects(moving_get_motion(r->cluster->moving, 0)) == 0)
         return true;
     if (!duet_cluster_load_profile(r->cluster, NULL, &profile, &failure, err))
         return false;

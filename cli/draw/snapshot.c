@@ -3,6 +3,7 @@
 
 #include "base/compare.h"
 #include "base/error.h"
+#include "base/output.h"
 #include "cli/body_states.h"
 #include "cli/draw/relief.h"
 #include "cli/draw/view.h"
@@ -13,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { WIDTH = 960, HEIGHT = 720 };
 enum { EDGE = 200 }; // one in so many objects may lie outside, on either side
@@ -333,7 +335,10 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
 
 bool snapshot_try(const char *path, duet_error *err)
 {
-    return canvas_close(canvas_open(path, WIDTH, HEIGHT, err), true, err);
+    struct stat info;
+    const bool is_device = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+    return output_check(path, err) &&
+           (!is_device || canvas_close(canvas_open(path, WIDTH, HEIGHT, err), true, err));
 }
 
 bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, double time,

@@ -31,7 +31,8 @@ bool snapshot_frame(const snapshot *s, const char *path, duet_motion *motion, do
 bool snapshot_picture(const snapshot *s, const char *path, duet_motion *motion, double time,
                       duet_error *err);
 
-// Writes an empty page: what cannot be written is told before the work that it is for.
+// Whether a picture can be written, before the work that it is for: a file stays as it is, and a
+// device is given an empty page.
 bool snapshot_try(const char *path, duet_error *err);
 
 #endif

@@ -66,6 +66,8 @@ TEST(what_is_no_text_is_refused_at_once)
         {"bench --against /dev/zero", "/dev/zero: byte 0 is NUL"},
         {"report /dev/zero -o test_bad_input.html", "/dev/zero: byte 0 is NUL"},
         {"profiles import /dev/zero", "/dev/zero"},
+        {"run falling -n 9 --steps 1 --replay /dev/zero",
+         "/dev/zero: a device with more than 256 MiB; expected a file"},
     };
     skip_without_device("/dev/zero");
     program_assert_refused_by(1, wrong);

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What mpirun and ranks write passes through, and one line follows if the job fails. A script
 // stands for mpirun.
+#define _POSIX_C_SOURCE 200809L
 #include "support/program.h"
 #include "support/test.h"
 
+#include "base/text_file.h"
+
+#include <signal.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 
 // Bytes of rank 0: all ranks are there, and all have stopped.
@@ -56,6 +61,38 @@ TEST(a_job_that_fails_is_one_line)
     program p = program_done(program_run_with(variables, "cluster --ranks 2 still"));
     assert_string_equal(p.out, "found\n");
     assert_string_equal(p.err, "ssh: no\ndriver: a warning\n\r\033[Kstep 3");
+}
+
+TEST(a_job_that_fails_under_verify_is_one_line)
+{
+    static const char *const jobs[][2] = {
+        {"exit 137", "a rank was ended by signal 9 (Killed), and with it the job"},
+        {"exit 3", "mpirun ended with status 3; with --verbose it says"},
+    };
+    skip_without_mpi();
+    mkdir("mpirun_of_test", 0755);
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
+        be_mpirun(BEGUN, jobs[i][0]);
+        program_assert_refused(program_run_with("PATH=\"$PWD/mpirun_of_test:$PATH\"",
+                                                "verify falling -n 9 --steps 2 --ranks 2"),
+                               1, jobs[i][1]);
+    }
+}
+
+// It is killed before duet ends, and no rank is left.
+TEST(mpirun_that_hears_no_signal_does_not_stay)
+{
+    skip_without_mpi();
+    mkdir("mpirun_of_test", 0755);
+    be_mpirun(BEGUN, "trap '' INT TERM USR1 USR2; echo $$ >mpirun_of_test/pid; "
+                     "while :; do sleep 0.1; done");
+    program p = program_run_with("timeout -s INT 1 env PATH=\"$PWD/mpirun_of_test:$PATH\"",
+                                 "cluster --ranks 2 still");
+    text pid = test_read_file("mpirun_of_test/pid");
+    assert_string_equal(p.err, "duet: stopped\n");
+    assert_true(atol(pid.chars) > 0);
+    assert_int_equal(kill((pid_t)atol(pid.chars), 0), -1);
+    text_free(&pid);
 }
 
 // mpirun says less unless a person asks for it.
