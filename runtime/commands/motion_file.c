@@ -225,8 +225,9 @@ static bool check_head(const duet_motion *m, const saved_head *h, const char *pa
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
         if (same[i].file != same[i].motion)
             return error_set(err, DUET_STATUS_BAD_INPUT,
-                             "%s: %s: %.10g in the file, %.10g in the motion", path, same[i].what,
-                             same[i].file, same[i].motion);
+                             "%s: %s: %.10g in the file, %.10g in the motion; expected a motion "
+                             "saved of the same scene",
+                             path, same[i].what, same[i].file, same[i].motion);
     return true;
 }
 

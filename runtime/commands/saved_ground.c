@@ -110,8 +110,9 @@ static bool check_carrier(const duet_motion *copy, const saved_head *h, const sa
     const double carrier = ground_def_carrier(&copy->def);
     return !h->has_mesh || s->spacing[0] == carrier ||
            error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: carrier of the mesh: %.10g in the file, %.10g in the motion", path,
-                     s->spacing[0], carrier);
+                     "%s: carrier of the mesh: %.10g in the file, %.10g in the motion; expected a "
+                     "motion saved of the same scene",
+                     path, s->spacing[0], carrier);
 }
 
 bool saved_ground_see(duet_motion *copy, saved_ground_seen *seen, const saved_head *h,
