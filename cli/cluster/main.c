@@ -22,8 +22,13 @@ static bool run(void *given, char **operands, duet_error *err)
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     bool ok = rank_run(&own->args, operands[0], NULL, NULL, err);
+    const bool is_started = getenv(MPIRUN_STARTED);
     bool is_stopped = !ok && err->status == DUET_STATUS_INTERRUPTED;
-    bool starter_tells = is_stopped && getenv(MPIRUN_STARTED);
+    bool starter_tells = is_stopped && is_started;
+    if (is_started) { // who tells of signals, also of those that come from here on
+        interrupt_forget();
+        interrupt_react(INTERRUPT_ENDS_SILENTLY);
+    }
     if (ok || (rank == 0 && !starter_tells))
         return ok;
     if (rank == 0)

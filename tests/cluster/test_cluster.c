@@ -323,6 +323,15 @@ static void assert_ghosts(const cJSON *told, double colours, const char *by)
     assert_string_equal(json_string(told, "colours_by"), by);
 }
 
+// Nobody said how often. A busy machine may make messages dear, and then others are tried.
+static void assert_ghosts_unsaid(const cJSON *told)
+{
+    if (strcmp(json_string(told, "colours_by"), "default") == 0)
+        assert_true(json_number(told, "colours_between") == 1);
+    else
+        assert_non_null(strstr("trying tried", json_string(told, "colours_by")));
+}
+
 // A tuning leaves a profile for as many ranks and parts, which a plan on the command line
 // overrides.
 TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
@@ -331,7 +340,7 @@ TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
     test_folder folder = test_folder_make();
     char variables[160];
     snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    assert_ghosts(move(variables, "--ranks 2"), 1, "default");
+    assert_ghosts_unsaid(move(variables, "--ranks 2"));
     cJSON *tuned = move(variables, "--ranks 2 --tune-colours");
     assert_ghosts(tuned, json_number(tuned, "colours_between"), "tuned");
     duet_profile_list *list = must(duet_profile_list_create(folder.store, false, ERR));
@@ -348,8 +357,8 @@ TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
     test_store_run(folder.store, "UPDATE profile SET variant_b = 'auto motion.colours=8'");
     assert_ghosts(move(variables, "--ranks 2"), 8, "exact");
     assert_ghosts(move(variables, "--ranks 2 --variant 'auto motion.colours=4'"), 4, "given");
-    assert_ghosts(move(variables, "--ranks 3"), 1, "default");
-    assert_ghosts(move(variables, "--ranks 2 --parts 2"), 1, "default");
+    assert_ghosts_unsaid(move(variables, "--ranks 3"));
+    assert_ghosts_unsaid(move(variables, "--ranks 2 --parts 2"));
 }
 
 TEST(a_tuning_of_ghosts_that_cannot_be_is_refused)
