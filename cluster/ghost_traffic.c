@@ -89,12 +89,12 @@ static void work(const traffic_step *s, double seconds)
     s->ranks->simulation->pass(seconds);
 }
 
-static double time_of_colours(const traffic_step *s, uint32_t from, uint32_t to)
+static double part_of_colours(uint32_t from, uint32_t to)
 {
     double part = 0;
     for (uint32_t k = from; k < to; ++k)
         part += colour_parts[k];
-    return part * s->all_time * sweeps_part / SWEEPS;
+    return part;
 }
 
 // The time of a colour's contacts that are solved while a message travels.
@@ -104,14 +104,6 @@ static double inner_time(const traffic_step *s, uint32_t colour)
     return part * s->inner_part < s->least_inner_part
                ? 0
                : part * s->inner_part * s->own_time * sweeps_part / SWEEPS;
-}
-
-static double parts_before(const ghost_traffic *t, uint32_t from)
-{
-    double part = 0;
-    for (uint32_t k = from - t->apart; k < from; ++k)
-        part += colour_parts[k];
-    return part;
 }
 
 // A sweep begins with a message of so many bytes; others are between colours.
@@ -125,8 +117,9 @@ static void sweep(traffic_step *s, double begin_bytes)
         const int n = begin_message(s, bytes);
         work(s, inner);
         parcels_end_pass(s->ranks, n, s->requests);
-        work(s, time_of_colours(s, from, to) - inner);
-        bytes = to < COUNTED_COLOURS ? t->colour_bytes * parts_before(t, to) : 0;
+        const double part = part_of_colours(from, to);
+        work(s, part * s->all_time * sweeps_part / SWEEPS - inner);
+        bytes = to < COUNTED_COLOURS ? t->colour_bytes * part : 0;
     }
 }
 

@@ -354,7 +354,7 @@ void halo_exchange_ways(halo *h, moving *m, uint32_t round, duet_error *own)
     exchange(h, m, HALO_PRESSED, &rows, own);
 }
 
-// What a body has moved and turned lies together, too.
+// Its move and its turn of the step lie together, too.
 static rows_moved late_rows(const duet_motion *motion)
 {
     const bool turns = motion->layout.body == BODY_OF(1);

@@ -23,18 +23,16 @@ static bool run(void *given, char **operands, duet_error *err)
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     bool ok = rank_run(&own->args, operands[0], NULL, NULL, err);
     const bool is_started = getenv(MPIRUN_STARTED);
-    bool is_stopped = !ok && err->status == DUET_STATUS_INTERRUPTED;
-    bool starter_tells = is_stopped && is_started;
-    if (is_started) { // who tells of signals, also of those that come from here on
+    const bool starter_tells = is_started && !ok && err->status == DUET_STATUS_INTERRUPTED;
+    if (is_started || (!ok && rank > 0)) // another process tells of signals
         interrupt_forget();
+    if (is_started) // also of those that come from here on
         interrupt_react(INTERRUPT_ENDS_SILENTLY);
-    }
     if (ok || (rank == 0 && !starter_tells))
         return ok;
     if (rank == 0)
         fputc(MPIRUN_STOPPED, stderr);
     own->quiet_status = starter_tells ? EXIT_OK : say_status(err);
-    interrupt_forget();
     return true;
 }
 

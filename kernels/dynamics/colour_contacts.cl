@@ -6,8 +6,7 @@
 //   count    each part its contacts of each key
 //   place    behind those of lesser keys, and of lesser parts
 //
-// Of a colour's contacts the list has those of a part in any order, but those of COLOUR_OVERFLOW in the order of the
-// rows.
+// The list has a part's contacts of a colour in any order, but those of COLOUR_OVERFLOW in the order of the rows.
 //
 //   sorts  1: lists contacts even if none has another colour than before
 #define KEYS COLOUR_KEY(COLOURS, COLOUR_KEYS)

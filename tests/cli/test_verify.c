@@ -2,6 +2,7 @@
 // duet verify: two recordings that differ by one command, so that it is known where a run of each
 // differs first; recordings of other versions, and damaged ones.
 #include "support/program.h"
+#include "support/scene_file.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
@@ -14,17 +15,6 @@
 #define ALTERED "test_verify.altered.replay"
 
 enum { STEPS = 12, BODIES = 24 };
-
-// Body 0 is a floor. The boxes on it are far from each other, and slide.
-static const char scene_text[] =
-    "add { centre = { 0, 0, -1 }, half_extents = { 60, 60, 1 }, mass = 0,\n"
-    "      friction = 0.5 }\n"
-    "for i = 1, 24 do\n"
-    "  add { centre = { i % 6 * 4, i // 6 * 4, 0.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
-    "        velocity = { 1, 0, 0 }, friction = 0.5 }\n"
-    "end\n"
-    "return { dims = 3, gravity = { 0, 0, -10 }, skin = 0.1,\n"
-    "         wants = { 'contact_response', 'friction', 'filter' } }\n";
 
 static const char flying_text[] =
     "for i = 0, 24 do\n"
@@ -39,7 +29,7 @@ static int begin(void **state)
 {
     (void)state;
     pair = duet_device_pair_open("cpu", &err);
-    test_write_file(SCENE, scene_text);
+    test_write_file(SCENE, scene_of_sliding_boxes);
     test_write_file(FLYING, flying_text);
     return pair ? 0 : 1;
 }

@@ -478,7 +478,7 @@ static double of_all_ranks(const cJSON *result, const char *name)
     return sum;
 }
 
-// What is counted of ghosts that come after so many colours: bytes for each object at a border, and
+// Counts of ghosts that come after so many colours: bytes for each object at a border, and
 // bodies.
 typedef struct counted_ghosts {
     int colours, apart;

@@ -2,6 +2,7 @@
 // duet verify over ranks: recordings that differ by one command, so that it is known where jobs
 // that replay them differ first.
 #include "support/program.h"
+#include "support/scene_file.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
@@ -15,16 +16,6 @@
 #define FOLDER "verify_ranks_folder"
 
 enum { STEPS = 12 };
-
-// Body 0 is a floor. The boxes on it are far from each other, and slide.
-static const char scene_text[] =
-    "add { centre = { 0, 0, -1 }, half_extents = { 60, 60, 1 }, mass = 0, friction = 0.5 }\n"
-    "for i = 1, 24 do\n"
-    "  add { centre = { i % 6 * 4, i // 6 * 4, 0.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
-    "        velocity = { 1, 0, 0 }, friction = 0.5 }\n"
-    "end\n"
-    "return { dims = 3, gravity = { 0, 0, -10 }, skin = 0.1,\n"
-    "         wants = { 'contact_response', 'friction', 'filter' } }\n";
 
 // A command before a step to a body: a push, a number, or not to touch any more.
 static const char recorder_text[] =
@@ -50,7 +41,7 @@ static const char recorder_text[] =
 static int begin(void **state)
 {
     (void)state;
-    test_write_file(SCENE, scene_text);
+    test_write_file(SCENE, scene_of_sliding_boxes);
     test_write_file(RECORDER, recorder_text);
     return 0;
 }

@@ -291,7 +291,7 @@ TEST(closest_and_any_are_of_every_hit)
     closest_and_any_are_of_every(tree, other, DUET_OBJECT_ROUNDED_BOXES, w->sweeps, SWEEPS, BOXES);
 }
 
-// What moves among rounded boxes has the hits of what else both are, by another share.
+// A body that moves among rounded boxes has the hits of any other form of both, by another share.
 static void assert_same_hits(const world *w, duet_tree *tree, duet_object_kind kind,
                              const void *sweeps)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What rays and points find of a tree's ground, which has no objects but those that are said,
-// against truths in long double.
+// Rays and points at a tree's ground, which has no objects but those that are said, against truths
+// in long double.
 #ifndef TESTS_GROUND_TRUTH_H
 #define TESTS_GROUND_TRUTH_H
 

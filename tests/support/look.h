@@ -17,7 +17,7 @@ void look_tune(look_fixture *f, uint64_t n); // a session for the test's workloa
 void look_change(look_fixture *f, const char *statements);
 
 void look_assert_why(store *s, const profile_request *request, const char *says);
-// What test_pair's application gets from two files; either may be NULL.
+// Looks up in two files as test_pair's application does; either may be NULL.
 profile_found look_in_files(const char *user, const char *system, uint64_t n);
 profile_found look_up(store *s, const profile_request *request);
 profile_found look_for(look_fixture *f, const profile_pair *pair, uint64_t n);

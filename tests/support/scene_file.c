@@ -4,6 +4,15 @@
 
 #include "base/text_file.h"
 
+const char scene_of_sliding_boxes[] =
+    "add { centre = { 0, 0, -1 }, half_extents = { 60, 60, 1 }, mass = 0, friction = 0.5 }\n"
+    "for i = 1, 24 do\n"
+    "  add { centre = { i % 6 * 4, i // 6 * 4, 0.5 }, half_extents = { 0.5, 0.5, 0.5 },\n"
+    "        velocity = { 1, 0, 0 }, friction = 0.5 }\n"
+    "end\n"
+    "return { dims = 3, gravity = { 0, 0, -10 }, skin = 0.1,\n"
+    "         wants = { 'contact_response', 'friction', 'filter' } }\n";
+
 duet_scene *scene_from_bytes(const char *name, const void *bytes, size_t n,
                              const duet_setting *settings, uint32_t n_settings, duet_error *err)
 {

@@ -5,6 +5,9 @@
 
 #include "runtime/duet.h"
 
+// Body 0 is a floor. The 24 boxes on it are far from each other, and slide.
+extern const char scene_of_sliding_boxes[];
+
 // Reads bytes as a file of that name would be read. The file is gone after; the scene lasts until
 // the test ends.
 duet_scene *scene_from_bytes(const char *name, const void *bytes, size_t n,
