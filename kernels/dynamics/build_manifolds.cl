@@ -178,42 +178,63 @@ static inline bool update_directly(const scene *s, uint i, uint2 link)
 
 #if WG > 1
 
-// Lists a group's pairs for its work-items together: those that had points a step ago lie first in
-// `places`, and those that had none, which are soon seen to be separated, last. So work-items side by
-// side have as much to do. The barriers around it are the kernel's: the compiler of PoCL 3.1 fails on
-// some if a function has them.
-static inline void divide_group(const scene *s, __local uint *places, volatile __local uint *n_places)
+// A group's pairs go through two lists, each in turn for its work-items together, so that work-items side by side have
+// as much to do:
+//
+//   asked    pairs to be updated: those that had points a step ago from the front on, the others from the back
+//   waiting  those of them that need the search for an axis: most others are still apart as they were
+//
+// The barriers are the kernel's: the compiler of PoCL 3.1 fails on some if a function has them.
+#define MOST_OF_GROUP (WG * PER_ITEM)
+
+static inline void ask_for_updates(const scene *s, __local uint *asked, volatile __local uint *n)
 {
-    const uint most = WG * PER_ITEM;
-    uint first = get_group_id(0) * most;
-    for (uint k = first + get_local_id(0); k < min(first + most, contacts_to_update(s)); k += WG) {
+    uint first = get_group_id(0) * MOST_OF_GROUP;
+    for (uint k = first + get_local_id(0); k < min(first + MOST_OF_GROUP, contacts_to_update(s)); k += WG) {
         uint i = AWAKE_CONTACT_OF(s, k);
         if (!needs_update(s, s->links[i]))
             continue;
         if (had_points(s, i))
-            places[atomic_inc(n_places)] = i;
+            asked[atomic_inc(n)] = i;
         else
-            places[most - 1 - atomic_inc(n_places + 1)] = i;
+            asked[MOST_OF_GROUP - 1 - atomic_inc(n + 1)] = i;
+    }
+}
+
+// Whether the axis that separated a pair without points does so still, and nothing else is to be known.
+static inline bool stays_apart(const scene *s, uint i, uint2 link)
+{
+    if (!ROTATED || CONTINUOUS || ROUNDED || had_points(s, i))
+        return false;
+    solid a = solid_of(s, link.x), b = solid_of(s, link.y);
+    return is_still_separated(&a, &b, offset_of(s, link), lead_of(s->margin), s->margin, s->touches[i] >> TOUCH_AXIS);
+}
+
+static inline void update_asked(const scene *s, __local const uint *asked, uint touched, uint others,
+                                __local uint *waiting, volatile __local uint *n_waiting)
+{
+    for (uint k = get_local_id(0); k < touched + others; k += WG) {
+        uint i = asked[k < touched ? k : MOST_OF_GROUP - 1 - (k - touched)];
+        uint2 link = s->links[i];
+        if (!update_directly(s, i, link) && !stays_apart(s, i, link))
+            waiting[atomic_inc(n_waiting)] = i;
     }
 }
 
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
 {
     const scene s = {BUILD_MANIFOLDS_VALUES};
-    __local uint places[WG * PER_ITEM];
-    __local uint n_places[2];
-    if (get_local_id(0) < 2)
-        n_places[get_local_id(0)] = 0;
+    __local uint asked[MOST_OF_GROUP], waiting[MOST_OF_GROUP];
+    __local uint counts[3]; // with points, without, and that wait
+    if (get_local_id(0) < 3)
+        counts[get_local_id(0)] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    divide_group(&s, places, n_places);
+    ask_for_updates(&s, asked, counts);
     barrier(CLK_LOCAL_MEM_FENCE);
-    uint touched = n_places[0], all = touched + n_places[1];
-    for (uint k = get_local_id(0); k < all; k += WG) {
-        uint i = places[k < touched ? k : WG * PER_ITEM - 1 - (k - touched)];
-        uint2 link = links[i];
-        if (!update_directly(&s, i, link))
-            collide_pair(&s, i, link);
-    }
+    update_asked(&s, asked, counts[0], counts[1], waiting, counts + 2);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint k = get_local_id(0); k < counts[2]; k += WG)
+        collide_pair(&s, waiting[k], links[waiting[k]]);
 }
 
 #else
