@@ -101,22 +101,23 @@ __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void colour_contacts(CO
     if (WAITS_FOR_LISTS)
         return;
     const uint n_bodies = N_AWAKE, n_here = N_AWAKE_CONTACTS, first = get_global_id(0), all = get_global_size(0);
+    meeting groups = begin_meetings(team);
     for (uint k = first; k < n_here; k += all)
         mark_contacts(&c, k, k + 1);
-    meet(team);
+    meet(&groups);
     for (uint turn = 1; flags[FLAG_UNCOLOURED] > 0; ++turn) {
         for (uint k = first; k < n_bodies; k += all)
             choose_contacts(&c, k, k + 1);
-        meet(team);
+        meet(&groups);
         for (uint k = first; k < n_bodies; k += all)
             take_contacts(&c, turn, k, k + 1);
-        meet(team);
+        meet(&groups);
     }
     if (!sorts && !flags[FLAG_RECOLOURED])
         return;
     const uint2 range = range_of_group(n_here);
     count_keys(&c, range, places);
-    meet(team);
+    meet(&groups);
     add_up(&c, places, all_places);
     list_contacts(&c, range, places);
 }

@@ -54,8 +54,8 @@ static inline void store_part(const solver *s, const source *from, const colour_
         store_contact(constraint_at(s->blocks, part, i), s->contacts + (size_t)s->list[part->first + i] * RECORD);
 }
 
-// Whether a work-item loads what its contact's constraint holds while other groups still solve the colour before:
-// nobody else writes to it.
+// Whether a work-item loads what its next contact's constraint holds before the groups meet: nobody else writes to it,
+// and what was stored and what is loaded are waited for together.
 #define HOLDS (WG > 1)
 
 static inline void take_contacts(const solver *s, const source *from, const colour_part *part, uint pass,
@@ -119,12 +119,10 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
             const uint4 coming = SPAN_OF(next);
             const bool all_meet = next == from_colour || !is_of_one(present.y) || !is_of_one(coming.y);
             take_contacts(&s, &from, &part, pass, &held);
-            if (all_meet)
-                ARRIVE(parts);
             part = own_part(next, coming);
             hold_first(&s, &part, &held);
             if (all_meet)
-                AWAIT(parts);
+                END_PART(parts);
             else
                 barrier(CLK_GLOBAL_MEM_FENCE);
             present = coming;
