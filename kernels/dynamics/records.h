@@ -134,7 +134,7 @@
 #define TEAM_DONE 0
 #define TEAM_STAGE TEAM_LINE
 #define TEAM_TAKEN (2 * TEAM_LINE)                     // a line for each group
-#define TEAM_MOST 224                                  // groups
+#define TEAM_MOST 320                                  // groups
 #define TEAM_PARTS TEAM_LINE                           // parts of a group in a stage, at most
 #define TEAM_WORDS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST)
 #define TEAM_LEAST_PART 32     // contacts that a group takes of a colour at least

@@ -154,8 +154,9 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 // ---------------------------------------------------------------- all passes at once
 
 // Bodies that a work-item may have, as it takes them one after the other; contacts of a colour, or
-// as many bodies as take as long, that a group has at least; passes of a substep.
-enum { BODIES_OF_ONE = 4, GROUP_LEAST = 64, PASSES = 2 };
+// as many bodies as take as long, that a group has at least; passes of a substep; contacts of a
+// colour that a work-item of groups that meet takes one after the other at most.
+enum { BODIES_OF_ONE = 2, GROUP_LEAST = 64, PASSES = 2, CONTACTS_OF_ONE = 2 };
 
 // Contacts of a colour, or bodies that take as long as those.
 static uint32_t most_work(const duet_motion *m)
@@ -165,13 +166,13 @@ static uint32_t most_work(const duet_motion *m)
     return contacts > bodies ? contacts : bodies;
 }
 
-// Whether the groups have space for every colour: as many as the device has units if they meet,
-// else one, which takes no contacts in order.
+// Whether a launch of passes has space for every colour: groups that meet, as many as run at once,
+// or else one, which takes no contacts in order.
 static bool have_space(const duet_motion *m, const kernel *k)
 {
     const uint64_t takes = (uint64_t)k->group * k->per_item;
     if (kernel_param(k, "MEET") == 1)
-        return most_work(m) <= takes * m->device->info.units;
+        return most_work(m) <= CONTACTS_OF_ONE * takes * team_most_groups(m, k);
     return most_work(m) <= takes && m->awake.n_bodies <= SOLVER_FEW &&
            m->solver.colours[COLOUR_OVERFLOW].count == 0;
 }

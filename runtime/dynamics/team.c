@@ -19,18 +19,27 @@ static bool reserve_stages(duet_motion *m, uint32_t n_stages, duet_error *err)
            motion_clear(m, "clear", TEAM, 0, TEAM_WORDS, err);
 }
 
-static uint32_t count_groups(const duet_motion *m, uint64_t work, uint32_t least)
+// Work-items for which a unit of a GPU surely has registers: each takes 255 of 65 536 at most.
+enum { RESIDENT = 256 };
+
+uint32_t team_most_groups(const duet_motion *m, const kernel *k)
 {
     const uint32_t units = m->device->info.units;
-    uint64_t parts = (work + least - 1) / least;
-    uint32_t most = units < TEAM_MOST ? units : TEAM_MOST;
+    const uint32_t each = k->group > 1 && k->group < RESIDENT ? RESIDENT / k->group : 1;
+    return units * each < TEAM_MOST ? units * each : TEAM_MOST;
+}
+
+static uint32_t count_groups(const duet_motion *m, const kernel *k, uint64_t work, uint32_t least)
+{
+    const uint64_t parts = (work + least - 1) / least;
+    const uint32_t most = team_most_groups(m, k);
     return parts == 0 ? 1 : parts < most ? (uint32_t)parts : most;
 }
 
 bool team_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work, uint32_t least,
                  uint32_t n_stages, duet_error *err)
 {
-    uint32_t n_groups = count_groups(m, work, least);
+    uint32_t n_groups = count_groups(m, k, work, least);
     if (!reserve_stages(m, n_stages, err) ||
         !motion_launch(m, stage, k, (uint64_t)n_groups * k->group * k->per_item, err))
         return false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Launches whose groups go through stages together (kernels/dynamics/team.clh), on CPUs.
+// Launches whose groups go through stages together: on CPUs (kernels/dynamics/team.clh), or on GPUs
+// that run all of them at once (kernels/dynamics/meet.clh).
 #ifndef RUNTIME_TEAM_H
 #define RUNTIME_TEAM_H
 
@@ -13,6 +14,10 @@ typedef struct motion_team {
 struct duet_motion;
 
 bool team_takes(const kernel *k);
+
+// Groups of a kernel that run at once: one on each unit of a CPU, or as many as a GPU's units have
+// registers for.
+uint32_t team_most_groups(const struct duet_motion *m, const kernel *k);
 
 // Launches at most n_stages stages, by as many groups as have `least` of the work each.
 bool team_launch(struct duet_motion *m, const char *stage, const kernel *k, uint64_t work,
