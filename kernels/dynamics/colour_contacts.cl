@@ -5,10 +5,13 @@
 //   mark, then rounds of choose and take    as launches of their own do
 //   count    each part its contacts of each key
 //   place    behind those of lesser keys, and of lesser parts
+//   lay      each colour into blocks
 //
 // The list has a part's contacts of a colour in any order, but those of COLOUR_OVERFLOW in the order of the rows.
 //
-//   sorts  1: lists contacts even if none has another colour than before
+//   sorts           1: lists contacts even if none has another colour than before
+//   spans           [COLOUR_SPANS]
+//   block_capacity  blocks, of `block` contacts each, for which there is space
 #define KEYS COLOUR_KEY(COLOURS, COLOUR_KEYS)
 #define PUSHING_KEYS COLOUR_KEY(COLOUR_WAITS, COLOUR_KEYS)
 
@@ -20,6 +23,22 @@ static inline uint keep_key(const colouring *c, uint k)
     uint key = colour < COLOUR_WAITS ? key_of(colour, c->touches[i]) : NONE;
     c->keys[k] = key;
     return key;
+}
+
+// Contacts of a colour begin a block, and those of COLOUR_OVERFLOW have one each. By one work-item.
+static inline void lay_blocks(const colouring *c)
+{
+    uint used = 0, blocks = 0;
+    for (uint colour = 0; colour <= COLOUR_OVERFLOW; ++colour) {
+        uint first = c->key_starts[COLOUR_KEY(colour, COLOUR_KEYS)];
+        uint count = c->key_starts[COLOUR_KEY(colour + 1, COLOUR_KEYS)] - first;
+        c->spans[colour] = (uint4)(first, count, blocks * c->block, 0);
+        blocks += colour == COLOUR_OVERFLOW ? count : (count + c->block - 1) / c->block;
+        used = count > 0 ? colour + 1 : used;
+    }
+    c->spans[COLOUR_SPANS - 1] = (uint4)(used, blocks, 0, 0);
+    if (blocks > c->block_capacity || c->flags[FLAG_ROUNDS] > TEAM_ROUNDS)
+        atomic_or(c->flags + FLAG_FULL, 1u);
 }
 
 #if MEET
@@ -72,7 +91,9 @@ static inline void add_up(const colouring *c, counts places, counts all)
         if (group == 0)
             c->key_starts[key] = start;
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    if (get_global_id(0) == 0)
+        lay_blocks(c);
 }
 
 static inline void list_contacts(const colouring *c, uint2 range, counts places)
@@ -152,6 +173,8 @@ static inline void add_up(const colouring *c, uint part, uint groups, uint place
     }
     for (uint key = PUSHING_KEYS; part == 0 && key <= KEYS; ++key)
         c->key_starts[key] = sum;
+    if (part == 0)
+        lay_blocks(c);
 }
 
 static inline void list_contacts(const colouring *c, uint part, uint groups, uint2 range)

@@ -34,6 +34,9 @@ return {
       uint *key_counts
       uint *key_starts
       uint *list
+      uint4 *spans
+      uint block
+      uint block_capacity
       uint hopes
       volatile uint *flags
       volatile uint *team

@@ -123,6 +123,10 @@
 #define COLOUR_NONE 33     // pushes nothing
 #define COLOURS 34
 #define COLOUR_LEFT 64u // a bit beside one: another domain solves it alone (closure.cl)
+
+// Of each colour up to COLOUR_OVERFLOW four words: its first contact in the list by colour, how many, and the slot of
+// the first in blocks. Behind them: the end of the colours that have any, and of blocks.
+#define COLOUR_SPANS (COLOUR_OVERFLOW + 2)
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
 // The first key of a colour, if colours below COLOUR_OVERFLOW have so many each, and the others one.
@@ -137,6 +141,7 @@
 #define TEAM_MOST 320                                  // groups
 #define TEAM_PARTS TEAM_LINE                           // parts of a group in a stage, at most
 #define TEAM_WORDS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST)
+#define TEAM_ROUNDS 1024       // of colouring that a launch of a team counts
 #define TEAM_LEAST_PART 32     // contacts that a group takes of a colour at least
 #define TEAM_LEAST_CONTACTS 64 // those of a part if a group has several
 #define TEAM_LEAST_BODIES 512  // likewise, bodies, pairs, or contacts that are not solved
@@ -159,13 +164,21 @@
 #define FLAG_ROUNDS 6      // of the colouring that coloured something
 #define FLAG_PRESSED 7     // something is to be pushed out of others in which it sleeps
 #define FLAG_WOKE 8        // something woke
-#define FLAGS 9
+#define FLAG_FULL 9        // colours have more blocks than there is space for, or took more rounds than a team counts
+#define FLAGS 10
 
-// A step may be sent whole, before the host knows whether it goes as the last one did (`hopes`, motion_step.c). If
-// something wakes or falls asleep, nothing has a colour yet; that, a contact with another colour and what is to be pushed
-// apart keep all that comes later from its work. A kernel that names these takes `hopes` and `flags` as arguments.
-#define WAITS_FOR_LISTS (hopes && flags[FLAG_FELL_ASLEEP])
-#define WAITS_FOR_HOST (hopes && (flags[FLAG_FELL_ASLEEP] || flags[FLAG_RECOLOURED] || flags[FLAG_PRESSED]))
+// A step may be sent whole, before the host knows how it goes (motion_step.c): `hopes` are bits of what it takes for
+// granted. If something does not hold, kernels that come later do nothing, and the host goes on from there. A kernel
+// that names the macros takes `hopes` and `flags` as arguments.
+#define HOPES_FITS 1u       // all colours have space
+#define HOPES_LISTS 2u      // nothing wakes or falls asleep
+#define HOPES_COLOURS 4u    // no contact has another colour than before
+#define HOPES_UNPRESSED 8u  // nothing is to be pushed out of others
+#define WAITS_FOR_LISTS ((hopes & HOPES_LISTS) && flags[FLAG_FELL_ASLEEP])
+#define WAITS_FOR_HOST                                                                       \
+    (hopes && (((hopes & HOPES_FITS) && flags[FLAG_FULL]) || WAITS_FOR_LISTS ||              \
+               ((hopes & HOPES_COLOURS) && flags[FLAG_RECOLOURED]) ||                        \
+               ((hopes & HOPES_UNPRESSED) && flags[FLAG_PRESSED])))
 
 // Steps that bounds last at least for a body that keeps its velocity, where there is a skin.
 #define LEAST_HORIZON 3

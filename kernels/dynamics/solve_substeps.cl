@@ -8,7 +8,8 @@
 //   2 for each substep    bodies, and then the contacts of each colour: soft in the first, relaxed in the second
 //   the one behind them   restitution
 //
-//   spans      as colour_parts.clh has them
+//   spans      [COLOUR_SPANS] as colour_parts.clh has them
+//   to_colour  the end of colours, of which those without contacts are left out
 //   from_pass  up to to_pass: of the launch
 //   soft       of the pass, whatever the host says
 
@@ -97,9 +98,10 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     uint2 range;
     if (WAITS_FOR_HOST)
         return;
+    const uint end = to_colour > 0 ? min(to_colour, spans[COLOUR_SPANS - 1].x) : 0;
 #if HOLDS
-    uint4 present = as_uint4(span);
-    part = own_part(from_colour, present);
+    uint4 present = end > 0 ? spans[0] : (uint4)(0);
+    part = own_part(0, present);
 #endif
     for (uint pass = from_pass; pass < to_pass; ++pass) {
         s.soft = pass & 1u;
@@ -113,11 +115,11 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
             }
             END_PART(parts);
         }
-        for (uint colour = from_colour; colour < to_colour; ++colour) {
+        for (uint colour = 0; colour < end; ++colour) {
 #if HOLDS
-            const uint next = colour + 1 < to_colour ? colour + 1 : from_colour;
-            const uint4 coming = SPAN_OF(next);
-            const bool all_meet = next == from_colour || !is_of_one(present.y) || !is_of_one(coming.y);
+            const uint next = colour + 1 < end ? colour + 1 : 0;
+            const uint4 coming = spans[next];
+            const bool all_meet = next == 0 || !is_of_one(present.y) || !is_of_one(coming.y);
             take_contacts(&s, &from, &part, pass, &held);
             part = own_part(next, coming);
             hold_first(&s, &part, &held);

@@ -22,8 +22,6 @@ return {
   args = {
     solve_substeps = [[
       const uint4 *spans
-      int4 span
-      uint from_colour
       uint to_colour
       uint from_pass
       uint to_pass

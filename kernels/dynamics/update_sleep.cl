@@ -169,6 +169,8 @@ static inline void lessen_pushes(const scene *s, uint contact, __global float *r
 __kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
 {
     const scene s = {PUSH_SLEEPERS_VALUES};
+    if (WAITS_FOR_HOST)
+        return;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
     for (uint k = first; k < last; ++k) {
@@ -188,6 +190,8 @@ __kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
 __kernel void move_sleepers(MOVE_SLEEPERS_ARGS)
 {
     const scene s = {MOVE_SLEEPERS_VALUES};
+    if (WAITS_FOR_HOST)
+        return;
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, N_AWAKE);
     for (uint k = first; k < last; ++k) {

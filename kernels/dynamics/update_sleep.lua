@@ -29,6 +29,8 @@ local of_sleepers = [[
   uint all_awake
   float margin
   uint round
+  uint hopes
+  const uint *flags
 ]]
 
 return {

@@ -10,7 +10,7 @@ static bool reserve_lists(duet_motion *m, duet_error *err)
 {
     static const motion_buffer lists[] = {LIST, LIST_SPARE, LIST_KEYS, LIST_KEYS_SPARE};
     bool ok = motion_reserve(m, COLOUR_STARTS, KEYS + 1, sizeof(uint32_t), err) &&
-              motion_reserve(m, SPANS, COLOUR_OVERFLOW + 1, sizeof(colour_span), err);
+              motion_reserve(m, SPANS, COLOUR_SPANS, sizeof(colour_span), err);
     for (size_t i = 0; ok && i < sizeof lists / sizeof lists[0]; ++i)
         ok = motion_reserve(m, lists[i], (uint64_t)m->graph.n_contacts + 1, sizeof(uint32_t), err);
     return ok;
@@ -21,22 +21,34 @@ static uint32_t whole_blocks(uint32_t n, uint32_t block)
     return (n + block - 1) / block;
 }
 
-// Places each colour's contacts in the list, and in blocks: contacts of a colour begin a block, and
-// contacts without a colour have one each. A colour has so many keys.
+// Notes what the spans say of all colours.
+static void count_colours(contact_solver *s)
+{
+    const colour_span *last = &s->colours[COLOUR_OVERFLOW];
+    s->n_colours = 0;
+    for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k)
+        s->n_colours += s->colours[k].count > 0;
+    s->n_pushing = last->first + last->count;
+    s->n_blocks = s->colours[COLOUR_SPANS - 1].count;
+}
+
+// Places each colour's contacts in the list, and in blocks, as kernels/dynamics/colour_contacts.cl
+// does. A colour has so many keys.
 static void lay_colours(contact_solver *s, uint32_t block, uint32_t keys,
                         const uint32_t starts[KEYS + 1])
 {
-    s->n_blocks = s->n_colours = 0;
+    uint32_t blocks = 0, end = 0;
     for (uint32_t k = 0; k <= COLOUR_OVERFLOW; ++k) {
         colour_span *span = &s->colours[k];
         span->first = starts[COLOUR_KEY(k, keys)];
         span->count = starts[COLOUR_KEY(k + 1, keys)] - span->first;
-        span->slot = s->n_blocks * block;
+        span->slot = blocks * block;
         span->border = 0;
-        s->n_blocks += k == COLOUR_OVERFLOW ? span->count : whole_blocks(span->count, block);
-        s->n_colours += span->count > 0;
+        blocks += k == COLOUR_OVERFLOW ? span->count : whole_blocks(span->count, block);
+        end = span->count > 0 ? k + 1 : end;
     }
-    s->n_pushing = starts[COLOUR_KEY(COLOUR_WAITS, keys)];
+    s->colours[COLOUR_SPANS - 1] = (colour_span){.first = end, .count = blocks};
+    count_colours(s);
 }
 
 // A block of both is of the border. All is of it if fewer others than that would be left.
@@ -82,12 +94,19 @@ static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint
 // Makes space for the blocks of colours that have been laid out.
 static bool use_colours(duet_motion *m, duet_error *err)
 {
-    contact_solver *s = &m->solver;
+    const size_t bytes = (size_t)m->layout.block * m->layout.constraint * sizeof(float);
     product_renew(&m->products, PRODUCT_COLOURS);
-    return motion_reserve(m, BLOCKS, (uint64_t)s->n_blocks * m->layout.block,
-                          m->layout.constraint * sizeof(float), err) &&
-           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, s->colours,
-                             sizeof s->colours, err);
+    if (!motion_reserve(m, BLOCKS, m->solver.n_blocks, bytes, err))
+        return false;
+    m->solver.block_capacity = (cl_uint)(m->buffers[BLOCKS].bytes / bytes);
+    return true;
+}
+
+static bool send_colours(duet_motion *m, duet_error *err)
+{
+    return use_colours(m, err) &&
+           timeline_write_at(&m->times, "graph_colour", &m->buffers[SPANS], 0, m->solver.colours,
+                             sizeof m->solver.colours, err);
 }
 
 // Each round colours at least the contact of greatest rank, so rounds end. The expected rounds are
@@ -107,19 +126,18 @@ static bool list_colours(duet_motion *m, duet_error *err)
     s->rounds = m->flags[FLAG_RECOLOURED] ? m->flags[FLAG_ROUNDS] + 1 : 0;
     if (ok)
         lay_colours(s, m->layout.block, COLOUR_KEYS, starts);
-    return ok && use_colours(m, err);
+    return ok && send_colours(m, err);
 }
 
 // If the contacts are those of the list, and none changed its colour, the list holds.
-static bool keep_colours(duet_motion *m, duet_error *err)
+static bool keep_list(duet_motion *m)
 {
-    if (!motion_read_flags(m, err))
-        return false;
     if (m->effects & DUET_EFFECT_SLEEP)
         motion_count_awake(m);
-    if (!product_is_forgotten(&m->products, PRODUCT_COLOURS) && !m->flags[FLAG_RECOLOURED])
+    bool holds = !product_is_forgotten(&m->products, PRODUCT_COLOURS) && !m->flags[FLAG_RECOLOURED];
+    if (holds)
         product_keep(&m->products, PRODUCT_COLOURS);
-    return true;
+    return holds;
 }
 
 static bool list_none(duet_motion *m)
@@ -132,7 +150,7 @@ static bool list_none(duet_motion *m)
 
 // Whether one launch does all of it: by groups that meet, or by a team, unless a plan sets groups
 // for the launches.
-static bool colours_at_once(const duet_motion *m)
+bool motion_colours_at_once(const duet_motion *m)
 {
     const kernel *k = m->kernels.colour_contacts;
     if (!k)
@@ -141,9 +159,9 @@ static bool colours_at_once(const duet_motion *m)
            (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
 }
 
-// Stages of a team that marks and sorts, and of each of its rounds; rounds that a launch is thought
-// to take at most.
-enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2, MOST_ROUNDS = 1024 };
+// Contacts that a group has at least; stages of a team that marks and sorts, and of each of its
+// rounds.
+enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2 };
 
 // Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
 static bool launch_colouring(duet_motion *m, duet_error *err)
@@ -153,26 +171,26 @@ static bool launch_colouring(duet_motion *m, duet_error *err)
     return reserve_lists(m, err) &&
            motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
            team_launch(m, "graph_colour", k, m->awake.n_contacts,
-                       k->group > 1 ? k->group : LEAST_CONTACTS, SORT_STAGES + ROUND_STAGES * MOST_ROUNDS, err);
+                       k->group > 1 ? k->group : LEAST_CONTACTS,
+                       SORT_STAGES + ROUND_STAGES * TEAM_ROUNDS, err);
 }
 
-static bool take_colouring(duet_motion *m, duet_error *err)
+bool motion_read_colours(duet_motion *m, duet_error *err)
 {
-    contact_solver *s = &m->solver;
-    uint32_t starts[KEYS + 1];
-    if (!motion_start_flags(m, err) ||
-        !timeline_read(&m->times, "graph_colour", &m->buffers[COLOUR_STARTS], starts, sizeof starts,
-                       err))
-        return false;
-    if (m->flags[FLAG_ROUNDS] > MOST_ROUNDS)
-        m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - MOST_ROUNDS);
-    if (m->effects & DUET_EFFECT_SLEEP)
-        motion_count_awake(m);
-    if (!s->sorts && !m->flags[FLAG_RECOLOURED]) {
-        product_keep(&m->products, PRODUCT_COLOURS);
+    return motion_colours_at_once(m)
+               ? motion_start_flags(m, err) &&
+                     timeline_read(&m->times, "graph_colour", &m->buffers[SPANS], m->solver.colours,
+                                   sizeof m->solver.colours, err)
+               : motion_read_flags(m, err);
+}
+
+bool motion_keep_colours(duet_motion *m, duet_error *err)
+{
+    if (m->flags[FLAG_ROUNDS] > TEAM_ROUNDS)
+        m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - TEAM_ROUNDS);
+    if (keep_list(m) || !motion_colours_at_once(m))
         return true;
-    }
-    lay_colours(s, m->layout.block, COLOUR_KEYS, starts);
+    count_colours(&m->solver);
     return use_colours(m, err);
 }
 
@@ -180,7 +198,7 @@ bool motion_begin_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return true;
-    if (colours_at_once(m))
+    if (motion_colours_at_once(m))
         return launch_colouring(m, err);
     return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts, err);
 }
@@ -191,9 +209,8 @@ bool motion_end_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
-    if (colours_at_once(m))
-        return take_colouring(m, err);
-    return (m->solver.rounds > 0 || keep_colours(m, err)) &&
+    const bool asks = motion_colours_at_once(m) || m->solver.rounds == 0;
+    return (!asks || (motion_read_colours(m, err) && motion_keep_colours(m, err))) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
 
@@ -232,5 +249,5 @@ bool domain_take_colours(duet_motion *m, uint32_t least_inner, duet_error *err)
         return false;
     lay_colours(&m->solver, m->layout.block, BORDER_KEYS, starts);
     lay_border(&m->solver, m->layout.block, least_inner, starts);
-    return use_colours(m, err);
+    return send_colours(m, err);
 }

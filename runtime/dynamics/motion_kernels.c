@@ -95,6 +95,8 @@ const binding motion_bindings[] = {
     VALUE_OF(solver, sweep),
     VALUE_OF(solver, first_sweep),
     VALUE_OF(solver, sorts),
+    VALUE_OF(solver, block_capacity),
+    VALUE_OF(layout, block),
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),

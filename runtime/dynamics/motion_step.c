@@ -102,9 +102,9 @@ static void set_walls(duet_motion *m)
 }
 
 // Sets the steps that bounds last for bodies that keep their velocities, and how many skins they
-// reach ahead at most, which bounds them for those that are fast. A search is of all bodies, further
-// bounds cost those that are awake. What leaves the cells that the grid has for most bodies is looked
-// for by all: more steps for more than very few bodies cost more than they save.
+// reach ahead at most, which bounds them for those that are fast. A search is of all bodies,
+// further bounds cost those that are awake. What leaves the cells that the grid has for most bodies
+// is looked for by all: more steps for more than very few bodies cost more than they save.
 static void set_horizon(duet_motion *m)
 {
     const double least = LEAST_HORIZON, most_steps = 256.0, most_skins = 64.0;
@@ -207,13 +207,29 @@ static bool read_end(duet_motion *m, duet_error *err)
            motion_read_flags(m, err);
 }
 
+static bool send_end(duet_motion *m, bool presses, duet_error *err)
+{
+    return motion_solve(m, err) && motion_note_events(m, err) && motion_finalize(m, presses, err) &&
+           (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err));
+}
+
 static bool end_response(duet_motion *m, duet_error *err)
 {
-    return motion_solve(m, err) && motion_note_events(m, err) && motion_finalize(m, err) &&
-           (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err)) && read_end(m, err);
+    const bool presses = m->graph.n_contacts > 0 && m->flags[FLAG_PRESSED];
+    return send_end(m, presses, err) && read_end(m, err);
 }
 
 // ---------------------------------------------------------------- sent whole
+
+// The device has no work while the host waits for it. So a step whose contacts are known is sent
+// whole, and the host looks at the flags once all is sent. It hopes that the step goes as the last
+// one did; kernels behind the first that finds otherwise do nothing (kernels/dynamics/records.h),
+// and the host goes on from there.
+//
+//     manifolds -> lists of what woke -> colours -> substeps -> end -> flags and colours are read
+//         ^                                ^        \_____________/
+//         |  something woke                |  another hope was vain: these did nothing
+//         +--------------------------------+------------------------------------ go_on
 
 // Whether a product and all before it are right, but for the bodies.
 static bool hold_up_to(const duet_motion *m, product_name which)
@@ -222,50 +238,85 @@ static bool hold_up_to(const duet_motion *m, product_name which)
            (product_is_right(&m->products, which) && hold_up_to(m, which - 1));
 }
 
-// Whether a step with these flags leaves the lists and colours as they were, and nothing to push
-// apart (kernels/dynamics/records.h).
-static bool is_like_last(const duet_motion *m)
+// What a step is sent with that follows one with these flags; 0: it is not sent whole. Colours that
+// more than one launch makes have to stay.
+static cl_uint hopes_of(const duet_motion *m, const uint32_t flags[FLAGS])
 {
-    return !m->flags[FLAG_FELL_ASLEEP] && !m->flags[FLAG_RECOLOURED] && !m->flags[FLAG_PRESSED];
+    const bool lays = motion_colours_at_once(m);
+    const bool stays = product_was_made(&m->products, PRODUCT_COLOURS) &&
+                       !product_is_forgotten(&m->products, PRODUCT_COLOURS) &&
+                       !flags[FLAG_RECOLOURED];
+    if (m->graph.n_contacts == 0 || m->solver.block_capacity == 0 || !motion_solves_at_once(m) ||
+        !(lays || stays))
+        return 0;
+    return HOPES_FITS | (lays ? 0 : HOPES_COLOURS) | (flags[FLAG_FELL_ASLEEP] ? 0 : HOPES_LISTS) |
+           (flags[FLAG_PRESSED] ? 0 : HOPES_UNPRESSED);
 }
 
-// A step behind one that changed no list mostly changes none: then all of it is sent before the
-// host waits for the first time, which costs more than what few awake bodies need.
-static bool may_hope(const duet_motion *m)
+// As kernels ask it, of flags and hopes.
+static bool is_vain(const uint32_t flags[FLAGS], cl_uint hopes)
 {
-    return hold_up_to(m, PRODUCT_AWAKE) && product_was_made(&m->products, PRODUCT_COLOURS) &&
-           !product_is_forgotten(&m->products, PRODUCT_COLOURS) && is_like_last(m) &&
-           motion_solves_at_once(m);
+    return WAITS_FOR_HOST;
 }
 
-static bool send_whole(duet_motion *m, duet_error *err)
+// Lists of some bodies take in what woke, so the host waits here unless it hopes that nothing did.
+static bool send_manifolds(duet_motion *m, cl_uint *hopes, duet_error *err)
 {
-    m->solver.hopes = 1;
-    bool ok = timeline_hold(&m->times, err) && motion_begin_manifolds(m, err) &&
-              motion_begin_colours(m, err) && end_response(m, err);
+    const bool lists = (m->effects & DUET_EFFECT_SLEEP) && !m->awake.all_awake;
+    if (!lists)
+        *hopes &= ~HOPES_LISTS;
+    if (!motion_begin_manifolds(m, err))
+        return false;
+    if (*hopes & HOPES_LISTS)
+        return true;
+    if (!motion_end_manifolds(m, err))
+        return false;
+    if (lists)
+        *hopes = (*hopes & ~HOPES_UNPRESSED) | (m->flags[FLAG_PRESSED] ? 0 : HOPES_UNPRESSED);
+    return true;
+}
+
+static bool send_whole(duet_motion *m, cl_uint *hopes, duet_error *err)
+{
+    bool ok = send_manifolds(m, hopes, err);
+    m->solver.hopes = *hopes;
+    ok = ok && motion_begin_colours(m, err) && send_end(m, !(*hopes & HOPES_UNPRESSED), err) &&
+         motion_read_colours(m, err);
     m->solver.hopes = 0;
     return ok;
 }
 
-// Goes on if the step is not like the last one: no kernel behind what differs has done anything.
-static bool go_on(duet_motion *m, duet_error *err)
+// No kernel behind what differs has done anything.
+static bool go_on(duet_motion *m, cl_uint hopes, duet_error *err)
 {
-    bool fell = m->flags[FLAG_FELL_ASLEEP];
+    bool fell = (hopes & HOPES_LISTS) && m->flags[FLAG_FELL_ASLEEP];
     return (!fell || (motion_end_manifolds(m, err) && motion_begin_colours(m, err))) &&
            motion_end_colours(m, err) && end_response(m, err);
 }
 
-// With response what touches when the step begins is solved.
+static bool respond_whole(duet_motion *m, cl_uint hopes, duet_error *err)
+{
+    return send_whole(m, &hopes, err) &&
+           (is_vain(m->flags, hopes) ? go_on(m, hopes, err) : motion_keep_colours(m, err));
+}
+
+// With response what touches when the step begins is solved. A step that is to be as the last one
+// begins once all of it is sent.
 static bool respond(duet_motion *m, duet_error *err)
 {
+    uint32_t flags[FLAGS];
+    memcpy(flags, m->flags, sizeof flags);
     if (!begin_apart(m, err))
         return false;
-    bool hopes = may_hope(m);
-    bool ok = hopes ? send_whole(m, err) : ensure(m, PRODUCT_COLOURS, err) && end_response(m, err);
-    if (hopes && is_like_last(m))
-        product_keep(&m->products, PRODUCT_COLOURS);
-    else if (hopes)
-        ok = ok && go_on(m, err);
+    const bool alike = hold_up_to(m, PRODUCT_AWAKE);
+    if (!ensure(m, PRODUCT_AWAKE, err))
+        return false;
+    const cl_uint hopes = hopes_of(m, flags);
+    const bool holds =
+        alike && (hopes & HOPES_LISTS) && (hopes & HOPES_UNPRESSED) && !flags[FLAG_RECOLOURED];
+    bool ok = (!holds || timeline_hold(&m->times, err)) &&
+              (hopes ? respond_whole(m, hopes, err)
+                     : ensure(m, PRODUCT_COLOURS, err) && end_response(m, err));
     products_move_bodies(&m->products);
     return ok;
 }

@@ -139,13 +139,11 @@ static bool store_impulses(duet_motion *m, duet_error *err)
 }
 
 // A sleeper deep in others goes when all else has gone, so that whatever it then touches is
-// searched for where it is. The flags are those that colours were chosen by.
+// searched for where it is.
 static bool push_sleepers(duet_motion *m, duet_error *err)
 {
     const motion_kernels *k = &m->kernels;
     bool ok = true;
-    if (!(m->effects & DUET_EFFECT_SLEEP) || m->graph.n_contacts == 0 || !m->flags[FLAG_PRESSED])
-        return true;
     for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
         ok = motion_launch(m, "sleep", k->push_sleepers, m->awake.n_bodies, err);
     return ok && motion_launch(m, "sleep", k->move_sleepers, m->awake.n_bodies, err);
@@ -195,9 +193,7 @@ static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32
     contact_solver *s = &m->solver;
     s->from_pass = from;
     s->to_pass = to;
-    s->span = span_of(s, 0);
-    s->from_colour = 0;
-    s->to_colour = end_of_colours(s);
+    s->to_colour = m->graph.n_contacts > 0 ? COLOUR_OVERFLOW + 1 : 0;
     if (!team_takes(k) && !kernel_param(k, "MEET"))
         return motion_launch(m, "solve_contacts", k, 1, err);
     return team_launch(m, "solve_contacts", k, most_work(m), k->group > 1 ? k->group : GROUP_LEAST,
@@ -253,10 +249,10 @@ bool motion_solve(duet_motion *m, duet_error *err)
            store_impulses(m, err);
 }
 
-bool motion_finalize(duet_motion *m, duet_error *err)
+bool motion_finalize(duet_motion *m, bool presses, duet_error *err)
 {
     return motion_launch(m, "integrate", m->kernels.finalize_bodies, m->awake.n_bodies, err) &&
-           push_sleepers(m, err);
+           (!presses || push_sleepers(m, err));
 }
 
 // ---------------------------------------------------------------- stage by stage

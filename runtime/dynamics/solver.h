@@ -18,7 +18,8 @@ enum { SOLVER_FEW = 1024 };
 enum { SHOCK_SWEEPS = 16 };
 
 // Contacts of one colour: where in the list, and where in blocks. A uint4 on devices. In a domain
-// the first ones, in whole blocks, are its border's (domain_take_colours).
+// the first ones, in whole blocks, are its border's (domain_take_colours). Behind all colours
+// stands where those end that have any contact, and how many blocks there are.
 typedef struct colour_span {
     cl_uint first;
     cl_uint count;
@@ -28,16 +29,17 @@ typedef struct colour_span {
 
 typedef struct contact_solver {
     radix_sort radix;
-    colour_span colours[COLOUR_OVERFLOW + 1];
+    colour_span colours[COLOUR_SPANS];
     uint32_t n_colours; // that are not empty
     uint32_t n_pushing; // contacts of all colours
     uint32_t n_blocks;
     uint32_t rounds; // that the next colouring sends at once; 0: the device is asked first
     // what a launch is told besides
-    cl_uint hopes; // 1: the step is sent whole (motion_step.c)
+    cl_uint hopes; // of a step that is sent whole (motion_step.c)
     cl_uint woken, soft, round;
     cl_uint sweep, first_sweep; // of shocks, counted on from substep to substep
     cl_uint sorts;              // 1: contacts are listed by colour even if none changed its colour
+    cl_uint block_capacity;     // of BLOCKS
     cl_uint from_colour, to_colour, each;
     cl_uint from_pass, to_pass; // of solve_substeps
     cl_int4 span;               // from_colour's
@@ -50,8 +52,15 @@ bool motion_end_manifolds(duet_motion *m, duet_error *err);
 bool motion_begin_colours(duet_motion *m, duet_error *err);
 bool motion_end_colours(duet_motion *m, duet_error *err);
 
-// With contact response: the substeps, of bodies and colours that are right; then what they leave
-// goes to the objects.
+// Whether one launch chooses and lists all colours, and lays them out.
+bool motion_colours_at_once(const duet_motion *m);
+
+// Reads the flags and, if colours are made at once, how they lie; motion_keep_colours then notes
+// whether those of the step before still hold, and makes space for the others.
+bool motion_read_colours(duet_motion *m, duet_error *err);
+bool motion_keep_colours(duet_motion *m, duet_error *err);
+
+// With contact response: the substeps, of bodies and colours that are right.
 bool motion_solve(duet_motion *m, duet_error *err);
 
 // Whether all of it is in launches that do nothing if the host has to go on first.
@@ -59,6 +68,9 @@ bool motion_solves_at_once(const duet_motion *m);
 
 // Whether something elastic passes impacts on; the speeds that contacts return then need no more.
 bool motion_has_shocks(const duet_motion *m);
-bool motion_finalize(duet_motion *m, duet_error *err);
+
+// What the substeps leave goes to the objects. presses: some may sleep deep in others, and are
+// pushed out of them.
+bool motion_finalize(duet_motion *m, bool presses, duet_error *err);
 
 #endif

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A step goes over lists of what is awake. If most bodies are awake it goes over all, which makes
-// the truth here: the same bodies, beside three times as many that fall for ever far away. That goes
-// without a skin, too, so that each of its steps waits for all that it has to know; the other is sent
-// whole where the last step changed no list.
+// the truth here: the same bodies, beside three times as many that fall for ever far away.
+//
+// And a step is sent whole, in the hope that it goes as the last one did. Steps whose contacts are
+// solved by a launch for each colour never are, and make the truth for that.
+#include "base/rng.h"
 #include "support/commands.h"
 #include "support/mover.h"
 #include "support/test.h"
@@ -75,15 +77,24 @@ TEST(sleepers_that_lose_their_support_move_as_if_all_were_gone_over)
 
 enum { LANES = 24 };
 
-// In each lane a ball rolls at a cube that sleeps under another one, half a meter further away than
-// in the lane before. Without a skin no step is sent whole.
-static mover *make_lanes(double skin)
+static const char by_launches[] = "auto solve_contacts.WG=64 solve_contacts.LANES=1";
+
+static mover *make_sleepy(const char *variant)
 {
     mover *m = mover_new(3);
     m->def.wants |= DUET_EFFECT_SLEEP;
     m->def.slop = 0.005;
     m->def.substeps = 4;
-    m->def.skin = skin;
+    m->def.skin = 0.05;
+    strcpy(m->def.plan.variant_b, variant);
+    return m;
+}
+
+// In each lane a ball rolls at a cube that sleeps under another one, half a meter further away than
+// in the lane before.
+static mover *make_lanes(const char *variant)
+{
+    mover *m = make_sleepy(variant);
     mover_add_floor(m, 60);
     for (int lane = 0; lane < LANES; ++lane) {
         mover_add_rough_cube(m, 0, 4 * lane - 46, 0.5);
@@ -101,7 +112,7 @@ static mover *make_lanes(double skin)
 // others are known.
 TEST(what_wakes_while_a_step_is_sent_whole_is_solved_in_the_same_order)
 {
-    mover *whole = make_lanes(0.05), *waits = make_lanes(0.0);
+    mover *whole = make_lanes("auto"), *waits = make_lanes(by_launches);
     for (uint32_t step = 0; step < 480; step += 20) {
         mover_run(whole, 20);
         mover_run(waits, 20);
@@ -109,6 +120,83 @@ TEST(what_wakes_while_a_step_is_sent_whole_is_solved_in_the_same_order)
     }
     for (uint32_t lane = 0; lane < LANES; ++lane)
         assert_true(whole->states[1 + 3 * lane].centre[0] > 0.01); // it was hit
+}
+
+static uint32_t run_both(mover *whole, mover *waits, uint32_t n_steps, uint32_t each)
+{
+    uint32_t asleep = 0;
+    for (uint32_t step = 0; step < n_steps; step += each) {
+        mover_run(whole, each);
+        mover_run(waits, each);
+        assert_same_states(whole, waits, step + each);
+        const uint32_t now = whole->n - 1 - count_moving(whole);
+        asleep = now > asleep ? now : asleep;
+    }
+    return asleep;
+}
+
+// Cubes that fall into a pit on each other: some come to rest, and wake when the next ones land.
+static mover *make_pit(const char *variant)
+{
+    rng r = rng_seed(7);
+    mover *m = make_sleepy(variant);
+    m->def.boundary = DUET_BOUNDARY_WALLS;
+    m->def.upper[0] = m->def.upper[1] = 8.0;
+    m->def.upper[2] = 400.0;
+    for (uint32_t i = 0; i < 400; ++i)
+        mover_add_rough_cube(m, rng_between(&r, 1, 7), rng_between(&r, 1, 7), 1 + 0.6 * i);
+    return m;
+}
+
+TEST(a_pile_that_grows_and_falls_asleep_has_the_bits_of_steps_that_wait)
+{
+    uint32_t asleep = run_both(make_pit("auto"), make_pit(by_launches), 600, 20);
+    print_message("%u asleep at most\n", asleep);
+    assert_true(asleep > 50);
+}
+
+// One cube lies on the floor, and then a square of others lands in the same step: colours need many
+// times the space that they had.
+static mover *make_square(const char *variant)
+{
+    mover *m = make_sleepy(variant);
+    mover_add_floor(m, 100);
+    mover_add_rough_cube(m, -60, 0, 0.5);
+    for (int i = 0; i < 40 * 40; ++i)
+        mover_add_rough_cube(m, 1.5 * (i % 40) - 30, 1.5 * (i / 40) - 30, 1.0);
+    return m;
+}
+
+TEST(contacts_that_need_more_space_in_a_step_that_is_sent_whole_are_solved_in_it)
+{
+    mover *whole = make_square("auto");
+    run_both(whole, make_square(by_launches), 40, 1);
+    assert_true(whole->last.contacts >= 1600);
+}
+
+// Pairs of cubes lie in each other and are pushed out more slowly than what sleeps: so they fall
+// asleep as they are, and are pushed out asleep. Others fall meanwhile, so that no lists are made
+// and nothing else keeps such a step from being sent whole.
+static mover *make_deep(const char *variant)
+{
+    mover *m = make_sleepy(variant);
+    m->def.max_push_speed = 0.01;
+    mover_add_floor(m, 60);
+    for (int i = 0; i < 20; ++i) {
+        mover_add_rough_cube(m, 3 * i - 30, 0, 0.5);
+        mover_add_rough_cube(m, 3 * i - 30, 0, 1.5 - 0.01 * i);
+    }
+    for (int i = 0; i < 100; ++i)
+        mover_add_rough_cube(m, 3 * (i % 10), 3 * (i / 10), 1000);
+    return m;
+}
+
+TEST(what_falls_asleep_deep_in_others_is_pushed_out_in_the_step_that_finds_it)
+{
+    mover *whole = make_deep("auto");
+    const uint32_t asleep = run_both(whole, make_deep(by_launches), 240, 1);
+    assert_true(asleep >= 20);
+    assert_true(whole->states[40].centre[2] > 1.35);
 }
 
 TEST_MAIN(mover_open_pair, mover_close_pair)
