@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pairs of fat AABBs after commands altered some of the bodies: the altered ones go into a hash
-// table, by the cells that their boxes overlap, and each body looks into the cells of its own.
+// table, by the cells that their boxes overlap, and each body that meets the box around all of these looks into
+// the cells of its own.
 // Pairs of bodies that were left alone are those of the rows.
 //
 //   altered    [n_altered] ids, each once
@@ -32,6 +33,41 @@ static inline bool do_overlap(const aabb *a, const aabb *b)
 {
     return all(a->lower <= b->upper) && all(b->lower <= a->upper);
 }
+
+// ------------------------------------------------------------ the box around the table's bodies
+
+// A key above 0 for each number, in the order of numbers.
+static inline uint key_of(float x)
+{
+    uint bits = as_uint(x);
+    return bits >> 31 ? ~bits : bits | 1u << 31;
+}
+
+static inline float of_key(uint key)
+{
+    return as_float(key >> 31 ? key ^ 1u << 31 : ~key);
+}
+
+static inline void put_around(volatile __global uint *counts, const aabb *box)
+{
+    volatile __global uint *keys = counts + ALTERED_AROUND;
+    atomic_max(keys, key_of(box->upper.x));
+    atomic_max(keys + 1, key_of(box->upper.y));
+    atomic_max(keys + 2, key_of(box->upper.z));
+    atomic_max(keys + 3, key_of(-box->lower.x));
+    atomic_max(keys + 4, key_of(-box->lower.y));
+    atomic_max(keys + 5, key_of(-box->lower.z));
+}
+
+// If the table is empty keys are 0, which stand for no numbers: nothing overlaps that box.
+static inline aabb around_table(volatile __global const uint *counts)
+{
+    volatile __global const uint *keys = counts + ALTERED_AROUND;
+    return (aabb){-(float3)(of_key(keys[3]), of_key(keys[4]), of_key(keys[5])),
+                  (float3)(of_key(keys[0]), of_key(keys[1]), of_key(keys[2]))};
+}
+
+// ------------------------------------------------------------ cells
 
 // Of a body: its cells, from the lower corner's up to the upper one's.
 typedef struct {
@@ -69,6 +105,7 @@ __kernel void place_altered(PLACE_ALTERED_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n_altered);
+    aabb around = {(float3)(INFINITY), (float3)(-INFINITY)};
     for (uint i = first; i < last; ++i) {
         uint id = altered[i];
         aabb box = aabb_at(boxes, id);
@@ -80,6 +117,7 @@ __kernel void place_altered(PLACE_ALTERED_ARGS)
             wide[atomic_inc(altered_counts + ALTERED_WIDE)] = id;
             continue;
         }
+        around = (aabb){fmin(around.lower, box.lower), fmax(around.upper, box.upper)};
         for (int z = cells.from.z; z <= cells.to.z; ++z)
             for (int y = cells.from.y; y <= cells.to.y; ++y)
                 for (int x = cells.from.x; x <= cells.to.x; ++x) {
@@ -88,6 +126,8 @@ __kernel void place_altered(PLACE_ALTERED_ARGS)
                     nexts[entry] = atomic_xchg(heads + head_of((int3)(x, y, z), n_heads), entry + 1);
                 }
     }
+    if (is_there(&around))
+        put_around(altered_counts, &around);
 }
 
 // A body that looks for altered ones.
@@ -115,6 +155,7 @@ __kernel void find_altered_pairs(FIND_ALTERED_PAIRS_ARGS)
     uint first = get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
     uint n_wide = altered_counts[ALTERED_WIDE];
+    aabb around = around_table(altered_counts);
     for (uint id = first; id < last; ++id) {
         seeker s;
         s.id = id;
@@ -127,6 +168,8 @@ __kernel void find_altered_pairs(FIND_ALTERED_PAIRS_ARGS)
             if (do_meet(&s, wide[k], &box))
                 put_pair(id, wide[k], altered_counts, pair_capacity, found_pairs);
         }
+        if (!do_overlap(&s.box, &around))
+            continue;
         cell_range cells = cells_of(&s.box, per_edge);
         if (are_many(&cells)) {
             for (uint k = 0; k < n_altered; ++k) {
