@@ -257,8 +257,7 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
         return false;
     ++b->done;
     progress_hide(&b->shown);
-    level_costs_report r = {duet_scene_get_info(scene), b->pair, &p};
-    cJSON *o = level_costs_report_json(&r);
+    cJSON *o = level_costs_report_json(&p, duet_scene_get_info(scene), b->pair);
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), o);
     if (!b->tells)
         return true;

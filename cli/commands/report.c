@@ -2,7 +2,6 @@
 // duet report: one page with everything that was measured, to be read in a
 // browser, sent by mail or kept; it loads nothing.
 #include "base/error.h"
-#include "base/text_file.h"
 #include "cli/commands.h"
 #include "cli/commands/profiles.h"
 #include "cli/costs.h"
@@ -135,18 +134,15 @@ static void add_list(cJSON *shown, const char *name, cJSON *const *list, uint32_
 
 static bool write_page(const arguments *args, const results *r, duet_error *err)
 {
-    text page = {0};
     cJSON *shown = page_begin();
     add_list(shown, "levels", r->levels, r->n_levels);
     add_list(shown, "effects", r->effects, r->n_effects);
     add_list(shown, "bench", r->bench, r->n_bench);
-    bool ok = add_store(shown, args->store, r->n_files == 0, err) && page_make(&page, shown, err);
     const char *path = args->out ? args->out : usual_page;
-    ok = ok && text_write_file(path, text_chars(&page), page.length, err);
+    bool ok = add_store(shown, args->store, r->n_files == 0, err) && page_write(path, shown, err);
     if (ok && !args->out)
         printf("-> %s\n", path);
     cJSON_Delete(shown);
-    text_free(&page);
     return ok;
 }
 

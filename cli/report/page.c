@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/page.h"
 
-#include "base/text.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "profiles/profile_view.h"
@@ -45,7 +44,7 @@ bool page_add_store(cJSON *shown, store *s, duet_error *err)
     return ok;
 }
 
-bool page_make(text *page, const cJSON *shown, duet_error *err)
+bool page_write(const char *path, const cJSON *shown, duet_error *err)
 {
-    return rendering_make(page, parts, shown, err);
+    return rendering_write(path, parts, shown, err);
 }

@@ -14,6 +14,6 @@ cJSON *page_begin(void);
 // Adds the store's profiles, live or replaced; live ones with their trials.
 bool page_add_store(cJSON *shown, store *s, duet_error *err);
 
-bool page_make(text *page, const cJSON *shown, duet_error *err);
+bool page_write(const char *path, const cJSON *shown, duet_error *err);
 
 #endif

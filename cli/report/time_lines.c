@@ -3,7 +3,6 @@
 
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
-#include "cli/say.h"
 
 static const char *const parts[] = {"lua/timeline.lua", NULL};
 
@@ -36,12 +35,8 @@ static cJSON *describe(const time_lines *shown)
 
 bool time_lines_write(const time_lines *shown, const char *path, duet_error *err)
 {
-    text svg = {0};
     cJSON *o = describe(shown);
-    bool ok = rendering_make(&svg, parts, o, err);
+    bool ok = rendering_write(path, parts, o, err);
     cJSON_Delete(o);
-    if (ok)
-        return say_to_file(&svg, path, err);
-    text_free(&svg);
-    return false;
+    return ok;
 }

@@ -173,6 +173,13 @@ end
 
 function report.is_alone(o) return o.share == 0 and o.a == o.b end
 
+-- "A alone: pocl:0[0], its name", without the letter if the device is the only one.
+function report.device_alone(o, letter)
+  local name = letter:lower()
+  return ("%s%s, %s"):format(o.a == o.b and "" or letter .. " alone: ", report.cut(o[name], 60),
+    report.cut(o[name .. "_name"], 120))
+end
+
 -- If both devices have a share.
 function report.tell_grids(o)
   if o.share > 0 and o.share < 1 then report.line("grids: %s", o.mode) end
