@@ -313,3 +313,45 @@ bool inputs_change_plan(const plan_options *options, const duet_device_pair *pai
     return change_mode(options, &plan->mode, err) && change_variants(options, pair, plan, err) &&
            check_plan(options, pair, selectors, err);
 }
+
+// ---------------------------------------------------------------- motions
+
+// A motion in which nothing happens has no plan.
+static bool happens(const duet_motion *motion)
+{
+    return duet_motion_get_count(motion) > 0 && duet_motion_get_effects(motion) != 0;
+}
+
+duet_motion *inputs_make_motion(const duet_scene *scene, duet_motion_def *def,
+                                const char *selectors, const plan_options *options,
+                                duet_profile *profile, duet_error *err)
+{
+    duet_error failure = {0};
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    if (!inputs_change_plan(options, def->pair, selectors, &def->plan, err))
+        return NULL;
+    duet_motion *motion = duet_motion_create_from_scene(def, scene, NULL, err);
+    if (motion && happens(motion) && !inputs_plan_given(options) &&
+        !duet_motion_load_profile(motion, NULL, profile, &failure))
+        say_failed(&failure);
+    return motion;
+}
+
+duet_plan inputs_motion_plan(const duet_motion *motion)
+{
+    const duet_plan *of_pairs = duet_motion_get_plan(motion);
+    if (of_pairs)
+        return *of_pairs;
+    duet_plan plan = duet_default_plan(duet_motion_get_def(motion)->pair);
+    plan.share = 0;
+    return plan;
+}
+
+bool inputs_check_recorded(const duet_replay *replay, const char *path, uint64_t steps,
+                           duet_error *err)
+{
+    const uint64_t recorded = duet_replay_get_info(replay).steps;
+    return steps <= recorded || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                          "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
+                                          steps, path, recorded);
+}

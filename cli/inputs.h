@@ -86,6 +86,18 @@ typedef struct level_options {
 // NULL: certified. BAD_ARGUMENT for a name that no level has.
 bool inputs_read_level(const char *name, duet_level *level, duet_error *err);
 
+// Makes the scene's motion by the plan that was given, else by the one that was measured; a store
+// that cannot be read is told of. The def is the scene's, with the pair that selectors opened.
+// *profile says where the plan is from, unless it was given.
+duet_motion *inputs_make_motion(const duet_scene *scene, duet_motion_def *def,
+                                const char *selectors, const plan_options *options,
+                                duet_profile *profile, duet_error *err);
+// The plan of its searches. A motion that finds no pairs has the default plan, and B does all.
+duet_plan inputs_motion_plan(const duet_motion *motion);
+// Refuses more steps than a recording has.
+bool inputs_check_recorded(const duet_replay *replay, const char *path, uint64_t steps,
+                           duet_error *err);
+
 // Whether an accuracy was given; what of it was not is then 0.
 bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy);
 
