@@ -10,7 +10,6 @@
 #include "cli/report/bench_results.h"
 #include "cli/report/level_costs_report.h"
 #include "cli/report/rendering.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "cli/timed_task.h"
 #include "tuner/trial_log.h"
@@ -280,7 +279,7 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
     if (!b->tells)
         return true;
     begin_block(b);
-    printf("%s, %s that move\n", info->name, table_things(info->n, "object", "objects").chars);
+    printf("%s, %s that move\n", info->name, say_things(info->n, "object", "objects").chars);
     return rendering_print("cli/report/explain.lua", o, err);
 }
 
@@ -367,7 +366,7 @@ static void tell_stopped(const bench *b, uint32_t n, duet_error *err)
         return;
     *err = (duet_error){0};
     error_set(err, DUET_STATUS_INTERRUPTED, "stopped; %s holds %s", b->args->out,
-              table_things(n, "case", "cases").chars);
+              say_things(n, "case", "cases").chars);
 }
 
 // ---------------------------------------------------------------- a task

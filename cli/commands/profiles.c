@@ -8,7 +8,6 @@
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
@@ -185,8 +184,8 @@ static const command_line merge_line = {
 static bool tell_counts(const arguments *args, const profile_import_counts *counts, duet_error *err)
 {
     if (!args->json) {
-        printf("%s rows added, %s known already\n", table_count(counts->added).chars,
-               table_count(counts->known).chars);
+        printf("%s rows added, %s known already\n", say_count(counts->added).chars,
+               say_count(counts->known).chars);
         return true;
     }
     cJSON *o = cJSON_CreateObject();

@@ -12,7 +12,6 @@
 #include "cli/difference.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "cli/verified_jobs.h"
 
@@ -429,8 +428,8 @@ static bool tell_equal(const verification *v, duet_error *err)
     uint32_t n = duet_motion_get_count(v->runs[0].motion);
     if (ok && !v->args->json)
         printf("equal: %s, %s, state hash %016" PRIx64 ": %s\n",
-               table_things(v->done, "step", "steps").chars,
-               table_things(n, "body", "bodies").chars, v->runs[0].hash, runs.chars);
+               say_things(v->done, "step", "steps").chars, say_things(n, "body", "bodies").chars,
+               v->runs[0].hash, runs.chars);
     text_free(&runs);
     return ok;
 }

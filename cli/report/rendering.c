@@ -6,13 +6,14 @@
 #include "base/text.h"
 #include "base/text_file.h"
 #include "cli/draw/canvas.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "gen/sandbox.h"
 
 #include <langinfo.h>
 #include <lauxlib.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 // The argument of a C function that pushes an object; its text outlives what Lua raises.
 typedef struct pushing {
@@ -58,6 +59,11 @@ static int push_shown(lua_State *L)
     pushing *p = lua_touserdata(L, 1);
     lua_pushboolean(L, strcmp(nl_langinfo(CODESET), "UTF-8") == 0);
     lua_setglobal(L, "in_utf8");
+    if (say_terminal_width(STDOUT_FILENO) > 0)
+        lua_pushinteger(L, say_terminal_width(STDOUT_FILENO));
+    else
+        lua_pushnil(L);
+    lua_setglobal(L, "terminal_width");
     push(L, p, p->shown);
     return 1;
 }
@@ -186,37 +192,16 @@ bool rendering_draw(const char *path, const char *name, const cJSON *shown, duet
 
 // ---------------------------------------------------------------- reports
 
-// The list at the stack's top: the alignment of columns, then cells.
-static void print_table(lua_State *L)
-{
-    lua_rawgeti(L, -1, 1);
-    table t = table_begin(lua_tostring(L, -1));
-    lua_Integer n = (lua_Integer)lua_rawlen(L, -2);
-    for (lua_Integer i = 2; i <= n; ++i) {
-        lua_rawgeti(L, -2, i);
-        table_words(&t, lua_tostring(L, -1), NULL);
-        lua_pop(L, 1);
-    }
-    table_print(&t, stdout);
-    lua_pop(L, 1);
-}
-
 bool rendering_print(const char *name, const cJSON *shown, duet_error *err)
 {
-    const char *const parts[] = {"cli/report/read.lua", "cli/report/words.lua", name, NULL};
+    const char *const parts[] = {"cli/report/read.lua", "cli/report/words.lua", name,
+                                 "cli/report/layout.lua", NULL};
+    size_t n = 0;
     script *s = call_parts(parts, shown, "", err);
     if (!s)
         return false;
-    lua_State *L = script_lua(s);
-    lua_Integer n = (lua_Integer)lua_rawlen(L, -1);
-    for (lua_Integer i = 1; i <= n; ++i) {
-        lua_rawgeti(L, -1, i);
-        if (lua_type(L, -1) == LUA_TSTRING)
-            puts(lua_tostring(L, -1));
-        else
-            print_table(L);
-        lua_pop(L, 1);
-    }
+    const char *chars = lua_tolstring(script_lua(s), -1, &n);
+    fwrite(chars, 1, n, stdout);
     script_close(s);
     return true;
 }

@@ -18,7 +18,8 @@ bool rendering_write(const char *path, const char *const *parts, const cJSON *sh
 // Draws the shapes that a carried script returns as a .svg or .png.
 bool rendering_draw(const char *path, const char *name, const cJSON *shown, duet_error *err);
 
-// Prints the lines and tables that a carried script returns; cli/report/words.lua says how.
+// Prints the lines and tables that a carried script returns: cli/report/words.lua says how, and
+// layout.lua lays them out.
 bool rendering_print(const char *name, const cJSON *shown, duet_error *err);
 
 // Prints the object as JSON or by that script, and deletes it.

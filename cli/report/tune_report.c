@@ -5,7 +5,6 @@
 #include "cli/command_text.h"
 #include "cli/interrupt.h"
 #include "cli/report/rendering.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/task/task.h"
 #include "tuner/terms.h"
@@ -39,7 +38,7 @@ void tune_report_workload(tune_report *r, const duet_scene_info *scene, const du
     r->query = def->query;
     r->items = def->items ? def->items : scene->n;
     r->steps = def->steps;
-    snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
+    snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, say_count(scene->n).chars);
     ++r->number;
 }
 
@@ -49,7 +48,7 @@ void tune_report_task(tune_report *r, const task *t)
     r->query = NULL;
     r->steps = 0;
     r->items = t->items;
-    snprintf(r->name, sizeof r->name, "%.30s, %s", t->name, table_count(t->size).chars);
+    snprintf(r->name, sizeof r->name, "%.30s, %s", t->name, say_count(t->size).chars);
     ++r->number;
 }
 

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 -- Words of reports for people. A script adds lines and tables and returns `report.told`, which
--- rendering.c prints: a string is a line; a list is a table, first a letter for each column, l or r, then cells.
+-- layout.lua lays out: a string is a line; a list is a table, first a letter for each column, l or r, then cells.
 local report = ...
 local text, number, count = report.text, report.number, report.count
 local told = {}
