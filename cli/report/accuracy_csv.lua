@@ -3,10 +3,10 @@
 local report = ...
 
 local columns <const> = {
-  levels = { "device", "level", "step_ms", "relative", "same", "pairs", "missed", "false", "deepest_missed", "widest_false",
-    "undecided_share", "front" },
-  timesteps = { "dt", "substeps", "integrator", "own", "ms_a_second", "noise_ms", "error", "energy", "gain", "depth", "finite",
-    "front" },
+  levels = { "device", "level", "step_ms", "relative", "same", "pairs", "missed", "false", "deepest_missed",
+    "widest_false", "undecided_share", "front" },
+  timesteps = { "dt", "substeps", "integrator", "own", "ms_a_second", "noise_ms", "error", "energy", "gain", "depth",
+    "finite", "front" },
 }
 
 local flags <const> = { own = true, same = true, finite = true, front = true }

@@ -1,10 +1,11 @@
 -- SPDX-License-Identifier: MIT
--- `duet accuracy --plot` of a still scene: for each device a row a level, its time to the left and what it gets wrong to
--- the right, by powers of ten from one pair on.
+-- `duet accuracy --plot` of a still scene: for each device a row a level, its time to the left and what it gets wrong
+-- to the right, by powers of ten from one pair on.
 local report = ...
 local box, write, ink, grey = report.box, report.write, report.ink, report.grey
 
-local time_fill <const>, beaten_fill <const>, wrong_fill <const> = { 0.36, 0.53, 0.74 }, { 0.74, 0.80, 0.87 }, { 0.80, 0.30, 0.20 }
+local time_fill <const>, beaten_fill <const> = { 0.36, 0.53, 0.74 }, { 0.74, 0.80, 0.87 }
+local wrong_fill <const> = { 0.80, 0.30, 0.20 }
 local row_px <const>, head <const>, device_head <const>, foot <const> = 30, 96, 44, 46
 local names_x <const>, times_x <const>, wrongs_x <const>, bar_px <const>, words_px <const> = 24, 120, 560, 260, 14
 
@@ -29,7 +30,8 @@ end
 return function(o)
   local letters, y = o.a == o.b and { "B" } or { "A", "B" }, head
   report.plot.width, report.plot.height = 960, head + #letters * device_head + row_px * #o.levels + foot
-  write(names_x, 34, 20, ink, "What accuracy costs: %s, %s", report.cut(o.scene, 80), report.things(o.objects, "box", "boxes"))
+  write(names_x, 34, 20, ink, "What accuracy costs: %s, %s", report.cut(o.scene, 80),
+    report.things(o.objects, "box", "boxes"))
   write(times_x, 66, words_px, ink, "time a step, and against sat15")
   write(wrongs_x, 66, words_px, ink, "wrong pairs, by powers of ten")
   for _, letter in ipairs(letters) do

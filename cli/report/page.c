@@ -14,16 +14,14 @@ static const char *const parts[] = {"cli/report/read.lua",       "cli/report/pag
                                     "cli/report/page_store.lua", "cli/report/page_bench.lua",
                                     "cli/report/page.lua",       NULL};
 
-cJSON *page_begin(void)
+cJSON *page_begin(cJSON **files)
 {
     char when[40];
     time_t now = time(NULL);
     strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", gmtime(&now));
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("made", when), STRING("duet", duet_version()));
-    cJSON_AddArrayToObject(o, "levels");
-    cJSON_AddArrayToObject(o, "effects");
-    cJSON_AddArrayToObject(o, "bench");
+    *files = cJSON_AddArrayToObject(o, "files");
     return o;
 }
 

@@ -18,7 +18,7 @@ local function pair_words(p)
 end
 
 -- "A alone" or "B alone"; nil if both work.
-local function alone(p) return p.share == 0 and "B alone" or p.share == 1 and "A alone" or nil end
+function report.alone(p) return p.share == 0 and "B alone" or p.share == 1 and "A alone" or nil end
 
 -- Part of the launches that waited for a core.
 local function waited(p) return p.watched > 0 and ("%.0f"):format(100 * p.disturbed / p.watched) or "-" end
@@ -30,9 +30,9 @@ local function profile_row(row, p)
     return
   end
   local gain = ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high)
-  row { p.scene ~= "" and p.scene or "-", count(p.objects), alone(p) or ("%.1f %%"):format(100 * p.share), p.mode,
-    p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
-    alone(p) and "-" or gain, alone(p) and "-" or p.verdict, waited(p), p.created }
+  row { p.scene ~= "" and p.scene or "-", count(p.objects), report.alone(p) or ("%.1f %%"):format(100 * p.share),
+    p.mode, p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
+    report.alone(p) and "-" or gain, report.alone(p) and "-" or p.verdict, waited(p), p.created }
 end
 
 -- A table for each device pair.
@@ -197,7 +197,7 @@ local function add_replaced(profiles)
   end)
 end
 
-local function add_store(store)
+function report.add_store(store)
   local profiles = store.profiles
   if #profiles == 0 then
     paragraph("%s: no profiles yet; duet tune makes them.", store.path)
@@ -210,6 +210,4 @@ local function add_store(store)
   add_replaced(profiles)
 end
 
-report.alone = alone
-report.add_store = add_store
 return report

@@ -10,9 +10,15 @@ local function add(kind, x, y, colour, shape)
   plot[#plot + 1] = shape
 end
 
-function report.stroke(x, y, to_x, to_y, colour, width) add("line", x, y, colour, { to_x = to_x, to_y = to_y, width = width }) end
+function report.stroke(x, y, to_x, to_y, colour, width)
+  add("line", x, y, colour, { to_x = to_x, to_y = to_y, width = width })
+end
+
 function report.box(x, y, width, height, colour) add("box", x, y, colour, { width = width, height = height }) end
 function report.dot(x, y, radius, colour) add("dot", x, y, colour, { radius = radius }) end
-function report.write(x, y, size, colour, format, ...) add("words", x, y, colour, { size = size, words = format:format(...) }) end
+
+function report.write(x, y, size, colour, format, ...)
+  add("words", x, y, colour, { size = size, words = format:format(...) })
+end
 
 return report

@@ -46,7 +46,7 @@ static void list(const char *path)
 static void report(const char *path)
 {
     duet_error err = {0};
-    cJSON *shown = page_begin();
+    cJSON *files, *shown = page_begin(&files);
     store *s = store_open(path, STORE_READ, &err);
     fuzz_require_answer(s != NULL, &err);
     if (s)
