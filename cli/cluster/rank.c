@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE // CPU_COUNT
 #include "cli/cluster/rank.h"
-#include "cli/cluster/rank_motion.h"
 
 #include "base/compare.h"
 #include "base/error.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/cluster/rank_frames.h"
 
-#include "cli/frame_folder.h"
+#include "cli/frames.h"
 #include "cli/vtk/vtk_bodies.h"
 #include "cli/vtk/vtk_ground.h"
 #include "cluster/moving.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/cluster/rank_motion.h"
+#include "cli/cluster/rank.h"
 
 #include "cli/cluster/rank_check.h"
 #include "cli/cluster/rank_frames.h"

@@ -11,7 +11,6 @@
 #include "cli/report/level_costs_report.h"
 #include "cli/report/rendering.h"
 #include "cli/say.h"
-#include "cli/timed_task.h"
 #include "tuner/trial_log.h"
 #include "tuner/tuning.h"
 

@@ -2,6 +2,7 @@
 #include "cli/commands/run.h"
 
 #include "base/error.h"
+#include "cli/draw/snapshot.h"
 #include "cli/frames.h"
 #include "cli/interrupt.h"
 #include "cli/report/motion_report.h"

@@ -11,7 +11,7 @@
 #include "cli/report/run_report.h"
 #include "cli/report/time_lines.h"
 #include "cli/say.h"
-#include "cli/timed_task.h"
+#include "cli/timed.h"
 #include "runtime/selection/profile_subject.h"
 
 #include <string.h>
