@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "cli/options.h"
+#include "cli/say.h"
 #include "runtime/duet.h"
 
 typedef struct scene_options {
@@ -120,11 +121,11 @@ typedef struct scene_settings {
     uint32_t n;
     char objects[24];
     char seed[24];
-    text copies;
 } scene_settings;
 
-bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err);
-void inputs_free_settings(scene_settings *s);
+void inputs_make_settings(scene_settings *s, const scene_options *options);
+// Begins a line that tells of a file that is read.
+progress inputs_begin_reading(const char *path);
 void inputs_tell_empty(const duet_scene_info *info); // a note if there are no objects
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);

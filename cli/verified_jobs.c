@@ -91,7 +91,7 @@ static void add_scene(job_words *w, const char *scene, const scene_options *o)
     if (o->seed != UINT64_MAX)
         add_number(w, "--seed", o->seed, w->seed);
     for (uint32_t i = 0; i < o->settings.n; ++i)
-        add_option(w, "--set", o->settings.items[i]);
+        add_option(w, "--set", o->settings.items[i].written);
 }
 
 static void add_run(job_words *w, const verified_run *r)

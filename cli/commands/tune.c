@@ -293,8 +293,8 @@ static scene_options options_of(const arguments *args, const config_workload *w)
 {
     scene_options scene = args->scene;
     scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
-    for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
-        scene.settings.items[scene.settings.n++] = w->settings[i];
+    for (uint32_t i = 0; i < w->n_settings; ++i)
+        option_list_add(&scene.settings, w->settings[i]);
     return scene;
 }
 
