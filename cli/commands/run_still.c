@@ -154,23 +154,12 @@ static void begin_report(still *s)
                              .accuracy_given = inputs_accuracy_given(&s->args->level, &accuracy)};
 }
 
-// The step whose stages the report has.
-static bool draw_timeline(const still *s, duet_error *err)
-{
-    const timed_step *step = timed_staged(&s->timed);
-    const time_lines shown = {.title = s->report.scene->name,
-                              .pair = s->pair,
-                              .plan = s->report.plan,
-                              .total_ms = step->total_ms,
-                              .stages = step->stages,
-                              .n_stages = step->n_stages};
-    return !s->args->timeline || time_lines_write(&shown, s->args->timeline, err);
-}
-
+// The time lines are of the step whose stages the report has.
 static bool tell(const still *s, duet_error *err)
 {
     const run_report *r = &s->report;
-    if (!draw_timeline(s, err))
+    if (!time_lines_write(s->args->timeline, r->scene->name, s->pair, r->plan,
+                          timed_staged(&s->timed), err))
         return false;
     bool elsewhere = !s->args->json && (options_is_stdout(s->args->pairs_path) ||
                                         options_is_stdout(s->args->timeline));
