@@ -124,13 +124,6 @@ local function draw_energy(p)
   } }
 end
 
-local function has_energy(profiles)
-  for _, p in ipairs(profiles) do
-    if p.live and p.pareto then return true end
-  end
-  return false
-end
-
 local function add_energy(profiles)
   paragraph("The plans that no other plan beats in both time and energy.")
   charts(function()
@@ -140,16 +133,9 @@ local function add_energy(profiles)
   end)
 end
 
-local function has_shares(profiles)
+local function any(profiles, holds)
   for _, p in ipairs(profiles) do
-    if p.live and not is_of_one(p) then return true end
-  end
-  return false
-end
-
-local function has_levels(profiles)
-  for _, p in ipairs(profiles) do
-    if p.level ~= profiles[1].level then return true end
+    if holds(p) then return true end
   end
   return false
 end
@@ -204,9 +190,12 @@ function report.add_store(store)
     return
   end
   section("Profiles", function() add_profiles(profiles) end)
-  if has_shares(profiles) then section("Searches", function() add_searches(profiles) end) end
-  if has_energy(profiles) then section("Time and energy", function() add_energy(profiles) end) end
-  if has_levels(profiles) then section("Levels of the profiles", function() add_accuracy(profiles) end) end
+  local function add_if(heading, add_it, holds)
+    if any(profiles, holds) then section(heading, function() add_it(profiles) end) end
+  end
+  add_if("Searches", add_searches, function(p) return p.live and not is_of_one(p) end)
+  add_if("Time and energy", add_energy, function(p) return p.live and p.pareto end)
+  add_if("Levels of the profiles", add_accuracy, function(p) return p.level ~= profiles[1].level end)
   add_replaced(profiles)
 end
 
