@@ -9,8 +9,6 @@
 #include "cli/say.h"
 #include "cli/timed.h"
 
-#include <string.h>
-
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     OPTION_INPUT("task", task, "FILE",

@@ -21,7 +21,7 @@ typedef struct still {
     duet_scene *scene;
     duet_device_pair *pair;
     uint32_t *ids;     // names of the objects before they were put in order; NULL: they were not
-    run_report report; // of its world and steps
+    run_report report; // tells of its world and steps
 } still;
 
 // ---------------------------------------------------------------- the world

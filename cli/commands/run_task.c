@@ -4,7 +4,6 @@
 // The first launch warms up; of the others the one with the median time is shown.
 #include "cli/commands/run.h"
 
-#include "base/error.h"
 #include "cli/command_text.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"

@@ -12,7 +12,7 @@ typedef struct tune_report {
     cJSON *workloads; // one object each
     char name[168];   // the measured workload's
     const duet_tune_def *def;
-    uint64_t items;  // of its query or task
+    uint64_t items;  // its query has, or its task
     uint32_t number; // from 1
     uint32_t n_workloads;
     char whole[80]; // the device that A and B may be parts of
