@@ -1,6 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- `duet accuracy --plot` of a moving scene: the error of each run over its time, both by powers of ten, and the front
--- as a line. Contacts: a colour a dt, and the substeps as a number; free flight: a colour an integrator, and the substep.
+-- as a line. Runs with contacts have a colour a dt and their substeps as a number, free flight a colour an integrator
+-- and the substep.
 local report = ...
 local stroke, dot, write, ink, grey = report.stroke, report.dot, report.write, report.ink, report.grey
 
