@@ -22,11 +22,13 @@ bool body_states_read(body_states *b, duet_motion *motion, duet_error *err)
     b->states = calloc((size_t)n + 1, sizeof *b->states);
     b->boxes = calloc((size_t)n + 1, sizeof *b->boxes);
     b->ids = calloc((size_t)n + 1, sizeof *b->ids);
-    if (!b->states || !b->boxes || !b->ids)
+    b->asleep = calloc((size_t)n + 1, sizeof *b->asleep);
+    if (!b->states || !b->boxes || !b->ids || !b->asleep)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", n);
     return duet_motion_get_states(motion, b->states, err) &&
            duet_motion_get_rounded_boxes(motion, b->boxes, err) &&
-           duet_motion_get_ids(motion, 0, n, b->ids, err) && carry_mesh(b, err);
+           duet_motion_get_ids(motion, 0, n, b->ids, err) &&
+           duet_motion_get_asleep(motion, b->asleep, err) && carry_mesh(b, err);
 }
 
 void body_states_free(body_states *b)
@@ -34,6 +36,7 @@ void body_states_free(body_states *b)
     free(b->states);
     free(b->boxes);
     free(b->ids);
+    free(b->asleep);
     free((void *)b->carried.vertices);
     *b = (body_states){0};
 }

@@ -13,6 +13,7 @@ typedef struct body_states {
     duet_state *states;      // [n]
     duet_rounded_box *boxes; // [n] for their sizes
     uint64_t *ids;           // [n] DUET_NO_BODY: nothing is there
+    uint8_t *asleep;         // [n] as duet_motion_get_asleep gives it
     duet_motion_def def;     // its mesh is where it is
     duet_mesh carried;       // that mesh, if a body carries it
 } body_states;

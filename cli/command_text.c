@@ -72,7 +72,7 @@ void command_text_settings(text *t, const scene_options *options)
     if (options->seed != UINT64_MAX)
         text_add(t, " --seed %" PRIu64, options->seed);
     for (uint32_t i = 0; i < options->settings.n; ++i)
-        command_text_option(t, "set", options->settings.items[i]);
+        command_text_option(t, "set", options->settings.items[i].written);
 }
 
 void command_text_pair(text *t, const duet_device_pair *pair)

@@ -1,10 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "cli/frames.h"
 
-#include "cli/frame_folder.h"
+#include "base/error.h"
+#include "cli/draw/snapshot.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <string.h>
+#include <sys/stat.h>
+
+enum { FRAMES_A_SECOND = 30 };
+
+bool frame_folder_make(const char *folder, duet_error *err)
+{
+    return mkdir(folder, 0777) == 0 || errno == EEXIST ||
+           error_set(err, DUET_STATUS_IO_FAILED, "--frames: the folder %s cannot be made: %s",
+                     folder, strerror(errno));
+}
+
+bool frame_is_due(uint64_t n, double time)
+{
+    return time * FRAMES_A_SECOND >= (double)n;
+}
 
 bool frames_format_named(const char *name, frames_format *format)
 {
@@ -18,7 +35,7 @@ bool frames_format_named(const char *name, frames_format *format)
 }
 
 bool frames_begin(frames *f, const char *folder, frames_format format, duet_motion *motion,
-                  const snapshot *pictures, duet_error *err)
+                  const struct snapshot *pictures, duet_error *err)
 {
     f->folder = folder;
     f->format = format;

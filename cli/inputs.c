@@ -4,7 +4,6 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/text.h"
-#include "cli/say.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/scene/scene.h"
 #include "runtime/task/task.h"
@@ -12,7 +11,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 // One device's kernels after the other's. A driver that kept them takes a moment to find
@@ -49,46 +47,20 @@ duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err)
     return pair;
 }
 
-// A scene takes names and values apart; "name=value" is cut in a copy.
-static bool cut_settings(const option_list *list, text *copies, duet_setting *settings,
-                         duet_error *err)
+progress inputs_begin_reading(const char *path)
 {
-    for (uint32_t i = 0; i < list->n; ++i)
-        text_add_bytes(copies, list->items[i], strlen(list->items[i]) + 1);
-    if (!text_ok(copies, err))
-        return false;
-    char *at = copies->chars;
-    for (uint32_t i = 0; i < list->n; ++i) {
-        size_t length = strlen(at);
-        char *equals = strchr(at, '=');
-        *equals = '\0';
-        settings[i] = (duet_setting){at, equals + 1};
-        at += length + 1;
-    }
-    return true;
-}
-
-static progress begin_reading(const char *path, char *what, size_t size)
-{
-    snprintf(what, size, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
+    static char what[64];
+    snprintf(what, sizeof what, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
     return progress_begin(what, 0);
 }
 
-static duet_scene *load(const char *path, const duet_setting *settings, uint32_t n, duet_error *err)
-{
-    char what[64];
-    progress p = begin_reading(path, what, sizeof what);
-    progress_follow(&p);
-    duet_scene *scene = duet_scene_load(path, settings, n, err);
-    progress_end(&p);
-    return scene;
-}
-
-bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err)
+void inputs_make_settings(scene_settings *s, const scene_options *options)
 {
     *s = (scene_settings){.n = options->settings.n};
-    if (!cut_settings(&options->settings, &s->copies, s->list, err))
-        return false;
+    for (uint32_t i = 0; i < s->n; ++i) {
+        const option_setting *given = &options->settings.items[i];
+        s->list[i] = (duet_setting){given->name, given->value};
+    }
     if (options->n != UINT64_MAX) {
         snprintf(s->objects, sizeof s->objects, "%" PRIu64, options->n);
         s->list[s->n++] = (duet_setting){"n", s->objects};
@@ -97,12 +69,6 @@ bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_
         snprintf(s->seed, sizeof s->seed, "%" PRIu64, options->seed);
         s->list[s->n++] = (duet_setting){"seed", s->seed};
     }
-    return true;
-}
-
-void inputs_free_settings(scene_settings *s)
-{
-    text_free(&s->copies);
 }
 
 void inputs_tell_empty(const duet_scene_info *info)
@@ -114,21 +80,19 @@ void inputs_tell_empty(const duet_scene_info *info)
 static duet_scene *load_with(const char *path, const scene_options *options, duet_error *err)
 {
     scene_settings settings;
-    duet_scene *scene = NULL;
-    if (inputs_make_settings(&settings, options, err))
-        scene = load(path, settings.list, settings.n, err);
-    inputs_free_settings(&settings);
+    inputs_make_settings(&settings, options);
+    progress p = inputs_begin_reading(path);
+    progress_follow(&p);
+    duet_scene *scene = duet_scene_load(path, settings.list, settings.n, err);
+    progress_end(&p);
     return scene;
 }
 
 task *inputs_load_task(const char *path, const scene_options *options, duet_error *err)
 {
     scene_settings settings;
-    task *t = NULL;
-    if (inputs_make_settings(&settings, options, err))
-        t = task_load(path, settings.list, settings.n, err);
-    inputs_free_settings(&settings);
-    return t;
+    inputs_make_settings(&settings, options);
+    return task_load(path, settings.list, settings.n, err);
 }
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)
@@ -163,8 +127,7 @@ bool inputs_put_in_order(duet_scene *scene, duet_device_pair *pair, uint32_t **i
 
 duet_scene *inputs_load_pairs(const char *path, duet_error *err)
 {
-    char what[64];
-    progress p = begin_reading(path, what, sizeof what);
+    progress p = inputs_begin_reading(path);
     progress_follow(&p);
     duet_scene *pairs = duet_scene_load_pairs(path, err);
     progress_end(&p);
@@ -183,31 +146,40 @@ bool inputs_find_reference(const duet_scene *scene, duet_level level, duet_pair 
     return ok;
 }
 
-static bool change_mode(const plan_options *options, duet_mode *mode, duet_error *err)
+// Refuses a name, and lists those there are.
+static bool refuse_name(const char *prefix, const char *given_by, const char *name,
+                        const char *what, const char *(*name_of)(int i), duet_error *err)
 {
     text known = {0};
-    if (!options->mode || mode_from_name(options->mode, mode))
-        return true;
-    for (int m = 0; duet_mode_name((duet_mode)m); ++m)
-        text_add(&known, "%s%s", m ? ", " : "", duet_mode_name((duet_mode)m));
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--%smode '%s': the modes are %s", options->prefix,
-              options->mode, text_chars(&known));
+    for (int i = 0; name_of(i); ++i)
+        text_add(&known, "%s%s", i ? ", " : "", name_of(i));
+    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--%s%s '%s': the %s are %s", prefix, given_by, name,
+              what, text_chars(&known));
     text_free(&known);
     return false;
 }
 
+static const char *mode_name(int mode)
+{
+    return duet_mode_name((duet_mode)mode);
+}
+
+static bool change_mode(const plan_options *options, duet_mode *mode, duet_error *err)
+{
+    return !options->mode || mode_from_name(options->mode, mode) ||
+           refuse_name(options->prefix, "mode", options->mode, "modes", mode_name, err);
+}
+
+static const char *level_name(int level)
+{
+    return level < DUET_LEVELS ? duet_level_get_info((duet_level)level)->name : NULL;
+}
+
 bool inputs_read_level(const char *name, duet_level *level, duet_error *err)
 {
-    text known = {0};
     *level = DUET_LEVEL_CERTIFIED;
-    if (!name || duet_level_from_name(name, level))
-        return true;
-    for (int l = 0; l < DUET_LEVELS; ++l)
-        text_add(&known, "%s%s", l ? ", " : "", duet_level_get_info((duet_level)l)->name);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--level '%s': the levels are %s", name,
-              text_chars(&known));
-    text_free(&known);
-    return false;
+    return !name || duet_level_from_name(name, level) ||
+           refuse_name("", "level", name, "levels", level_name, err);
 }
 
 bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy)
@@ -312,4 +284,46 @@ bool inputs_change_plan(const plan_options *options, const duet_device_pair *pai
         plan->share = options->share;
     return change_mode(options, &plan->mode, err) && change_variants(options, pair, plan, err) &&
            check_plan(options, pair, selectors, err);
+}
+
+// ---------------------------------------------------------------- motions
+
+// A motion in which nothing happens has no plan.
+static bool happens(const duet_motion *motion)
+{
+    return duet_motion_get_count(motion) > 0 && duet_motion_get_effects(motion) != 0;
+}
+
+duet_motion *inputs_make_motion(const duet_scene *scene, duet_motion_def *def,
+                                const char *selectors, const plan_options *options,
+                                duet_profile *profile, duet_error *err)
+{
+    duet_error failure = {0};
+    *profile = (duet_profile){.grade = DUET_GRADE_DEFAULT};
+    if (!inputs_change_plan(options, def->pair, selectors, &def->plan, err))
+        return NULL;
+    duet_motion *motion = duet_motion_create_from_scene(def, scene, NULL, err);
+    if (motion && happens(motion) && !inputs_plan_given(options) &&
+        !duet_motion_load_profile(motion, NULL, profile, &failure))
+        say_failed(&failure);
+    return motion;
+}
+
+duet_plan inputs_motion_plan(const duet_motion *motion)
+{
+    const duet_plan *of_pairs = duet_motion_get_plan(motion);
+    if (of_pairs)
+        return *of_pairs;
+    duet_plan plan = duet_default_plan(duet_motion_get_def(motion)->pair);
+    plan.share = 0;
+    return plan;
+}
+
+bool inputs_check_recorded(const duet_replay *replay, const char *path, uint64_t steps,
+                           duet_error *err)
+{
+    const uint64_t recorded = duet_replay_get_info(replay).steps;
+    return steps <= recorded || error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                                          "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
+                                          steps, path, recorded);
 }

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "cli/options.h"
+#include "cli/say.h"
 #include "runtime/duet.h"
 
 typedef struct scene_options {
@@ -86,6 +87,18 @@ typedef struct level_options {
 // NULL: certified. BAD_ARGUMENT for a name that no level has.
 bool inputs_read_level(const char *name, duet_level *level, duet_error *err);
 
+// Makes the scene's motion by the plan that was given, else by the one that was measured; a store
+// that cannot be read is told of. The def is the scene's, with the pair that selectors opened.
+// *profile says where the plan is from, unless it was given.
+duet_motion *inputs_make_motion(const duet_scene *scene, duet_motion_def *def,
+                                const char *selectors, const plan_options *options,
+                                duet_profile *profile, duet_error *err);
+// The plan of its searches. A motion that finds no pairs has the default plan, and B does all.
+duet_plan inputs_motion_plan(const duet_motion *motion);
+// Refuses more steps than a recording has.
+bool inputs_check_recorded(const duet_replay *replay, const char *path, uint64_t steps,
+                           duet_error *err);
+
 // Whether an accuracy was given; what of it was not is then 0.
 bool inputs_accuracy_given(const level_options *options, duet_accuracy *accuracy);
 
@@ -108,11 +121,11 @@ typedef struct scene_settings {
     uint32_t n;
     char objects[24];
     char seed[24];
-    text copies;
 } scene_settings;
 
-bool inputs_make_settings(scene_settings *s, const scene_options *options, duet_error *err);
-void inputs_free_settings(scene_settings *s);
+void inputs_make_settings(scene_settings *s, const scene_options *options);
+// Begins a line that tells of a file that is read.
+progress inputs_begin_reading(const char *path);
 void inputs_tell_empty(const duet_scene_info *info); // a note if there are no objects
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err);

@@ -85,16 +85,25 @@ static bool is_within(const option *o, double value)
     return value >= o->least && (o->most == 0 || value <= o->most);
 }
 
+bool option_list_add(option_list *list, const char *written)
+{
+    const char *equals = strchr(written, '=');
+    const size_t length = equals ? (size_t)(equals - written) : 0;
+    if (length == 0 || length >= sizeof list->items[0].name || list->n == OPTION_LIST_MOST)
+        return false;
+    option_setting *s = &list->items[list->n++];
+    *s = (option_setting){.written = written, .value = equals + 1};
+    memcpy(s->name, written, length);
+    return true;
+}
+
 static bool add_setting(const command_line *line, const option *o, const char *written,
                         option_list *list)
 {
-    const char *equals = strchr(written, '=');
-    if (!equals || equals == written)
-        return REFUSE(line, "--%s '%s': give a name and a value, as seed=7", o->name, written);
     if (list->n == OPTION_LIST_MOST)
         return REFUSE(line, "--%s is given more than %d times", o->name, OPTION_LIST_MOST);
-    list->items[list->n++] = written;
-    return true;
+    return option_list_add(list, written) ||
+           REFUSE(line, "--%s '%s': give a name and a value, as seed=7", o->name, written);
 }
 
 bool option_set(const command_line *line, const option *o, const char *written, void *args)

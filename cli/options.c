@@ -3,7 +3,8 @@
 
 #include "base/nearest.h"
 #include "cli/interrupt.h"
-#include "cli/report/table.h"
+#include "cli/report/json.h"
+#include "cli/report/rendering.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -22,24 +23,27 @@ static char letter_of(const char *name)
     return '\0';
 }
 
-static void add_row(table *t, const char *name, const char *value, const char *help)
+static void add_row(cJSON *rows, const char *name, const char *value, const char *help)
 {
-    char letter[8] = "";
+    char letter[8] = "", flags[128];
     if (letter_of(name))
         snprintf(letter, sizeof letter, "-%c, ", letter_of(name));
-    table_cell(t, "  %s--%s%s%s", letter, name, value ? " " : "", value ? value : "");
-    table_cell(t, "%s", help);
+    snprintf(flags, sizeof flags, "  %s--%s%s%s", letter, name, value ? " " : "",
+             value ? value : "");
+    json_add(json_add_row(rows), STRING("flags", flags), STRING("help", help));
 }
 
-static void print_help(const command_line *line)
+static int print_help(const command_line *line)
 {
+    duet_error err = {0};
+    cJSON *rows = cJSON_CreateArray();
     printf("duet %s%s%s [options]\n%s\n\n", line->name, line->operands ? " " : "",
            line->operands ? line->operands : "", line->about);
-    table t = table_begin("ll");
     for (const option *o = line->options; o->name; ++o)
-        add_row(&t, o->name, o->value, o->help);
-    add_row(&t, "help", NULL, "this text");
-    table_print(&t, stdout);
+        add_row(rows, o->name, o->value, o->help);
+    add_row(rows, "help", NULL, "this text");
+    bool ok = rendering_tell(rows, false, "cli/report/help.lua", &err);
+    return ok ? EXIT_OK : say_failed(&err);
 }
 
 // One argument: an option with or without its value in it.
@@ -181,8 +185,7 @@ static bool parse(const command_line *line, int argc, char **argv, void *args, p
         if (!recognise(line, argument, &a))
             return false;
         if (a.help) {
-            print_help(line);
-            p->exit_code = EXIT_OK;
+            p->exit_code = print_help(line);
             return false;
         }
         if (!take_option(line, &a, argc, argv, &i, args))

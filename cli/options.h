@@ -28,10 +28,19 @@ typedef enum option_kind {
 
 enum { OPTION_LIST_MOST = 64 };
 
+typedef struct option_setting {
+    const char *written; // "seed=7"
+    char name[80];
+    const char *value;
+} option_setting;
+
 typedef struct option_list {
-    const char *items[OPTION_LIST_MOST];
+    option_setting items[OPTION_LIST_MOST];
     uint32_t n;
 } option_list;
+
+// Adds a setting as it is written. False if it is none, or the list is full.
+bool option_list_add(option_list *list, const char *written);
 
 typedef struct command_option { // getopt.h has an option too
     const char *name;

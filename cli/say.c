@@ -79,6 +79,33 @@ said say_name(const char *name)
     return shown;
 }
 
+counted say_count(uint64_t n)
+{
+    char digits[32];
+    counted grouped = {{0}};
+    int length = snprintf(digits, sizeof digits, "%" PRIu64, n);
+    char *to = grouped.chars;
+    for (int i = 0; i < length; ++i) {
+        if (i > 0 && (length - i) % 3 == 0)
+            *to++ = ' ';
+        *to++ = digits[i];
+    }
+    return grouped;
+}
+
+counted say_things(uint64_t n, const char *one, const char *many)
+{
+    counted s;
+    snprintf(s.chars, sizeof s.chars, "%.40s %.40s", say_count(n).chars, n == 1 ? one : many);
+    return s;
+}
+
+int say_terminal_width(int file)
+{
+    struct winsize size;
+    return ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
 void say_lines(const char *lines)
 {
     text shown = {0};
@@ -161,17 +188,11 @@ progress progress_begin(const char *what, uint64_t total)
     return p;
 }
 
-static size_t terminal_width(void)
-{
-    struct winsize size;
-    bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    return known ? size.ws_col : 80;
-}
-
 // A line that reached the last column would wrap, and could not be cleared.
 void progress_line(const char *line)
 {
-    fprintf(stderr, "\r\033[K%.*s", (int)terminal_width() - 1, line);
+    const int width = say_terminal_width(STDERR_FILENO);
+    fprintf(stderr, "\r\033[K%.*s", (width > 0 ? width : 80) - 1, line);
     fflush(stderr);
 }
 

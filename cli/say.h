@@ -39,6 +39,17 @@ typedef struct said {
 
 said say_name(const char *name);
 
+// "1 677 345"; "1 box", "2 000 boxes"
+typedef struct counted {
+    char chars[128];
+} counted;
+
+counted say_count(uint64_t n);
+counted say_things(uint64_t n, const char *one, const char *many);
+
+// In characters; 0: the file is no terminal.
+int say_terminal_width(int file);
+
 // Prints such a text, whose lines and tabs stay.
 void say_lines(const char *lines);
 

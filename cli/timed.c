@@ -28,7 +28,7 @@ bool timed_input_named(const char *name, timed_input *input)
     return i < TIMED_INPUTS;
 }
 
-bool timed_add(timed *t, uint32_t *n, const duet_result *result, duet_error *err)
+static bool add(timed *t, uint32_t *n, const duet_result *result, duet_error *err)
 {
     timed_step *step = &t->steps[t->n + t->n_staged];
     step->stages = calloc(result->n_stages + 1, sizeof *step->stages);
@@ -51,7 +51,7 @@ static int by_time(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-void timed_sort(timed *t)
+static void sort(timed *t)
 {
     qsort(t->steps, t->n, sizeof *t->steps, by_time);
     qsort(t->steps + t->n, t->n_staged, sizeof *t->steps, by_time);
@@ -84,7 +84,7 @@ static bool step(timed *t, uint32_t *n, duet_world *world, const duet_scene *sce
     if (!hand_over(world, scene, input, err))
         return false;
     measure_watch(cores, world->def.pair);
-    if (!duet_world_step(world, &t->last, err) || !timed_add(t, n, &t->last, err))
+    if (!duet_world_step(world, &t->last, err) || !add(t, n, &t->last, err))
         return false;
     core_watch_stop(cores);
     return check_hash(t, err);
@@ -126,9 +126,46 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
     ok = ok && (!untimed || step_staged(t, world, scene, input, err));
     if (ok && t->n == 0)
         ok = interrupt_check(err);
-    timed_sort(t);
+    sort(t);
     return ok;
 }
+
+// ---------------------------------------------------------------- tasks
+
+static bool launch(timed *t, task_launcher *l, const duet_device_pair *pair, const duet_plan *plan,
+                   core_watch *cores, duet_error *err)
+{
+    task_result r;
+    task_launch_reset(l, plan);
+    measure_watch(cores, pair); // resetting and checking are not in the time
+    if (!task_launch_unchecked(l, plan, &r, err))
+        return false;
+    core_watch_stop(cores);
+    const duet_result times = {.total_ms = r.total_ms,
+                               .device_ms = {r.device_ms[0], r.device_ms[1]},
+                               .stages = r.stages,
+                               .n_stages = r.n_stages};
+    return task_launch_check(l, err) && add(t, &t->n, &times, err);
+}
+
+bool timed_task_run(timed *t, task_launcher *l, const duet_device_pair *pair, const duet_plan *plan,
+                    uint32_t repeat, duet_error *err)
+{
+    task_result first;
+    t->steps = calloc(repeat, sizeof *t->steps);
+    if (!t->steps)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of %u launches: no memory", repeat);
+    core_watch *cores = core_watch_open();
+    bool ok = task_launch(l, plan, &first, err);
+    while (ok && t->n < repeat && !interrupt_asked())
+        ok = launch(t, l, pair, plan, cores, err);
+    t->cores = core_watch_tally(cores);
+    core_watch_close(cores);
+    sort(t);
+    return ok && (t->n > 0 || interrupt_check(err));
+}
+
+// ---------------------------------------------------------------- both
 
 void timed_free(timed *t)
 {

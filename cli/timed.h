@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A world stepped again and again, with the times of each step.
+// A world stepped again and again, with the times of each step; or a task launched again and again.
 #ifndef CLI_TIMED_H
 #define CLI_TIMED_H
 
 #include "base/core_watch.h"
 #include "runtime/duet.h"
+#include "runtime/task/task_launch.h"
 
 // One timed step, with stages of its own.
 typedef struct timed_step {
@@ -41,11 +42,10 @@ bool timed_input_named(const char *name, timed_input *input);
 // INTERRUPTED if that is nothing. WRONG_RESULT if two steps found different pairs.
 bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t repeat,
                timed_input input, duet_error *err);
+// The same of a task, whose launches are checked. It has no pairs and no hash.
+bool timed_task_run(timed *t, task_launcher *l, const duet_device_pair *pair, const duet_plan *plan,
+                    uint32_t repeat, duet_error *err);
 void timed_free(timed *t);
-
-// Adds a step as one of *n, which are t's; and puts all of them in order.
-bool timed_add(timed *t, uint32_t *n, const duet_result *result, duet_error *err);
-void timed_sort(timed *t);
 
 // The step with the median time; of an even number the lesser.
 const timed_step *timed_median(const timed *t);

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
+#include "runtime/scene/scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -180,8 +181,7 @@ static bool run_timestep(survey *s, timestep_run *row, duet_error *err)
 
 // ---------------------------------------------------------------- which time steps
 
-static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator integrator,
-                    uint32_t group)
+static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator integrator)
 {
     timestep_study *p = s->study;
     for (uint32_t i = 0; i < p->n_asked; ++i)
@@ -190,11 +190,8 @@ static void add_row(survey *s, double dt, uint32_t substeps, duet_integrator int
             return;
     bool own = fabs(dt / substeps * s->def.substeps / s->def.dt - 1.0) < 1e-9 &&
                integrator == s->def.integrator;
-    p->rows[p->n_asked++] = (timestep_run){.dt = dt,
-                                           .substeps = substeps,
-                                           .integrator = integrator,
-                                           .group = group,
-                                           .own = own && dt == s->def.dt};
+    p->rows[p->n_asked++] = (timestep_run){
+        .dt = dt, .substeps = substeps, .integrator = integrator, .own = own && dt == s->def.dt};
 }
 
 // Contacts are found once a step and solved in each substep, so both matter.
@@ -203,7 +200,7 @@ static void list_with_response(survey *s)
     for (uint32_t i = 0; i < N_FINER; ++i)
         for (uint32_t j = 0; j < N_FINER; ++j)
             add_row(s, s->def.dt / finer[i], (uint32_t)fmax(1.0, s->def.substeps * finer[j] / 2.0),
-                    DUET_INTEGRATOR_EULER, i);
+                    DUET_INTEGRATOR_EULER);
     s->study->reference = (timestep_run){.dt = s->def.dt / 8.0, .substeps = 4 * s->def.substeps};
 }
 
@@ -212,8 +209,7 @@ static void list_free_flight(survey *s)
 {
     for (int order = DUET_INTEGRATOR_EULER; order <= DUET_INTEGRATOR_YOSHIDA; ++order)
         for (int i = 0; i < N_FINER; ++i)
-            add_row(s, s->def.dt / finer[i], s->def.substeps, (duet_integrator)order,
-                    (uint32_t)order);
+            add_row(s, s->def.dt / finer[i], s->def.substeps, (duet_integrator)order);
     s->study->reference = (timestep_run){
         .dt = s->def.dt / 16.0, .substeps = s->def.substeps, .integrator = DUET_INTEGRATOR_YOSHIDA};
 }
@@ -260,11 +256,10 @@ static void list_rows(survey *s, uint32_t effects)
 {
     timestep_study *p = s->study;
     p->contact = effects & DUET_EFFECT_CONTACT;
-    p->flies = !(effects & DUET_EFFECT_CONTACT_RESPONSE);
-    if (p->flies)
-        list_free_flight(s);
-    else
+    if (effects & DUET_EFFECT_CONTACT_RESPONSE)
         list_with_response(s);
+    else
+        list_free_flight(s);
     qsort(p->rows, p->n_asked, sizeof *p->rows, by_cost);
 }
 
@@ -338,4 +333,34 @@ bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const due
     free(s.truth);
     free(s.states);
     return ok;
+}
+
+// ---------------------------------------------------------------- as data
+
+static cJSON *row_json(const timestep_run *row)
+{
+    cJSON *o = cJSON_CreateObject();
+    json_add(o, NUMBER("dt", row->dt), NUMBER("substeps", row->substeps),
+             STRING("integrator", scene_integrator_name(row->integrator)), FLAG("own", row->own),
+             NUMBER("ms_a_second", row->ms));
+    if (isfinite(row->noise))
+        json_add(o, NUMBER("noise_ms", row->noise));
+    json_add(o, NUMBER("error", row->error), NUMBER("energy", row->energy),
+             NUMBER("gain", row->gain), NUMBER("depth", row->depth), FLAG("finite", row->finite),
+             FLAG("front", row->front));
+    return o;
+}
+
+cJSON *timestep_study_json(const timestep_study *p, const duet_scene_info *scene,
+                           const duet_device_pair *pair)
+{
+    cJSON *o = cJSON_CreateObject();
+    json_add(o, STRING("scene", scene->name), NUMBER("objects", scene->n));
+    json_add_devices(o, pair);
+    json_add(o, NUMBER("time", p->time), NUMBER("asked", p->n_asked), FLAG("contact", p->contact));
+    cJSON_AddItemToObject(o, "reference", row_json(&p->reference));
+    cJSON *rows = cJSON_AddArrayToObject(o, "timesteps");
+    for (uint32_t i = 0; i < p->n; ++i)
+        cJSON_AddItemToArray(rows, row_json(&p->rows[i]));
+    return o;
 }

@@ -4,6 +4,7 @@
 #ifndef CLI_TIMESTEP_STUDY_H
 #define CLI_TIMESTEP_STUDY_H
 
+#include "cli/report/json.h"
 #include "runtime/duet.h"
 
 enum { TIMESTEP_RUNS = 20 };
@@ -12,17 +13,16 @@ typedef struct timestep_run {
     double dt;
     uint32_t substeps;
     duet_integrator integrator;
-    uint32_t group; // that a plot shows by one colour: runs of one dt, or of one integrator
-    bool own;       // the scene's
-    bool finite;    // no number was lost; else the rest but ms says nothing
-    double ms;      // that a second of the scene takes
-    double noise;   // the noise of ms: less between two runs tells nothing; INFINITY: not known,
-                    // for lack of steps
-    double error;   // root mean square of the centres' distances from the reference's
-    double energy;  // less the reference's, in the greatest kinetic energy
-    double gain;    // greatest rise of energy over what it was before, in the same
-    double depth;   // the deepest contact's
-    bool front;     // nothing is both faster, beyond noise, and nearer to the reference
+    bool own;      // the scene's
+    bool finite;   // no number was lost; else the rest but ms says nothing
+    double ms;     // that a second of the scene takes
+    double noise;  // the noise of ms: less between two runs tells nothing; INFINITY: not known,
+                   // for lack of steps
+    double error;  // root mean square of the centres' distances from the reference's
+    double energy; // less the reference's, in the greatest kinetic energy
+    double gain;   // greatest rise of energy over what it was before, in the same
+    double depth;  // the deepest contact's
+    bool front;    // nothing is both faster, beyond noise, and nearer to the reference
 } timestep_run;
 
 typedef struct timestep_study {
@@ -31,7 +31,6 @@ typedef struct timestep_study {
     uint32_t n_asked;
     timestep_run reference; // the error is 0
     bool contact;           // contacts are looked for, so that there is a depth
-    bool flies;             // no contact pushes: integrators are compared, else substeps
     double time;            // that each run lasts, of the scene
 } timestep_study;
 
@@ -45,17 +44,7 @@ bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const due
 bool timestep_study_applies(duet_device_pair *pair, const duet_scene *scene, bool *moves,
                             duet_error *err);
 
-// The output of `duet accuracy`: a table, JSON, CSV, a plot.
-typedef struct timestep_study_report {
-    const duet_scene_info *scene;
-    const duet_device_pair *pair;
-    const timestep_study *study;
-} timestep_study_report;
-
-bool timestep_study_report_tell(const timestep_study_report *r, bool json, duet_error *err);
-bool timestep_study_report_csv(const timestep_study_report *r, const char *path, duet_error *err);
-
-// A .svg or .png: the error over the time, with the front as a line.
-bool timestep_study_report_plot(const timestep_study_report *r, const char *path, duet_error *err);
+cJSON *timestep_study_json(const timestep_study *p, const duet_scene_info *scene,
+                           const duet_device_pair *pair);
 
 #endif

@@ -16,39 +16,31 @@
 
 // ---------------------------------------------------------------- checkpoints
 
-typedef enum checkpoint { CK_FIRST, CK_OTHER, CK_KEPT, CK_FILES } checkpoint;
-
-static bool path_of(const verified_jobs *j, checkpoint which, text *path, duet_error *err)
-{
-    static const char *const names[CK_FILES] = {"first.ck", "other.ck", "kept.ck"};
-    text_add(path, "%s/%s", text_chars(&j->folder), names[which]);
-    return text_ok(path, err);
-}
-
 bool verified_jobs_open(verified_jobs *j, const char *scene, const scene_options *options,
                         duet_error *err)
 {
+    static const char *const names[CK_FILES] = {"first.ck", "other.ck", "kept.ck"};
     const char *given = getenv("TMPDIR"), *above = given && *given ? given : "/tmp";
     *j = (verified_jobs){.scene = scene, .options = options};
     text_add(&j->folder, "%s/duet-verify-XXXXXX", above);
-    if (!text_ok(&j->folder, err))
-        return false;
-    if (mkdtemp(j->folder.chars))
-        return true;
-    error_set(err, DUET_STATUS_IO_FAILED, "%s: no folder for checkpoints: %s; TMPDIR says where",
-              above, strerror(errno));
-    text_free(&j->folder);
-    return false;
+    bool ok =
+        text_ok(&j->folder, err) &&
+        (mkdtemp(j->folder.chars) ||
+         error_set(err, DUET_STATUS_IO_FAILED,
+                   "%s: no folder for checkpoints: %s; TMPDIR says where", above, strerror(errno)));
+    for (int i = 0; ok && i < CK_FILES; ++i) {
+        text_add(&j->checkpoints[i], "%s/%s", j->folder.chars, names[i]);
+        ok = text_ok(&j->checkpoints[i], err);
+    }
+    return ok;
 }
 
 void verified_jobs_close(verified_jobs *j)
 {
-    for (int i = 0; i < CK_FILES && j->folder.chars; ++i) {
-        text path = {0};
-        duet_error failure = {0};
-        if (path_of(j, (checkpoint)i, &path, &failure))
-            unlink(path.chars);
-        text_free(&path);
+    for (int i = 0; i < CK_FILES; ++i) {
+        if (j->checkpoints[i].chars)
+            unlink(j->checkpoints[i].chars);
+        text_free(&j->checkpoints[i]);
     }
     if (j->folder.chars)
         rmdir(j->folder.chars);
@@ -91,7 +83,7 @@ static void add_scene(job_words *w, const char *scene, const scene_options *o)
     if (o->seed != UINT64_MAX)
         add_number(w, "--seed", o->seed, w->seed);
     for (uint32_t i = 0; i < o->settings.n; ++i)
-        add_option(w, "--set", o->settings.items[i]);
+        add_option(w, "--set", o->settings.items[i].written);
 }
 
 static void add_run(job_words *w, const verified_run *r)
@@ -108,39 +100,20 @@ static void add_run(job_words *w, const verified_run *r)
     add_option(w, "--replay", r->path);
 }
 
-static bool run_job(verified_jobs *j, const verified_run *r, uint64_t step, const char *from,
-                    const char *to, duet_error *err)
+static bool run_job(verified_jobs *j, const verified_run *r, checkpoint to, uint64_t kept,
+                    uint64_t step, duet_error *err)
 {
     mpirun_job job = {.output = "/dev/null"};
     job_words words = {0};
     add_scene(&words, j->scene, j->options);
     add_run(&words, r);
     add_number(&words, "--steps", step, words.steps);
-    add_option(&words, "--resume", from);
-    add_option(&words, "--checkpoint", to);
+    add_option(&words, "--resume", kept > 0 ? j->checkpoints[CK_KEPT].chars : NULL);
+    add_option(&words, "--checkpoint", j->checkpoints[to].chars);
     return cluster_run(&job, r->ranks, words.list, &j->status, err) && j->status == 0;
 }
 
-static bool go(verified_jobs *j, const verified_run *r, checkpoint which, uint64_t kept,
-               uint64_t step, duet_error *err)
-{
-    text from = {0}, to = {0};
-    bool ok = path_of(j, CK_KEPT, &from, err) && path_of(j, which, &to, err) &&
-              run_job(j, r, step, kept > 0 ? from.chars : NULL, to.chars, err);
-    text_free(&from);
-    text_free(&to);
-    return ok;
-}
-
 // ---------------------------------------------------------------- both
-
-static bool read_checkpoint(const verified_jobs *j, checkpoint which, text *bytes, duet_error *err)
-{
-    text path = {0};
-    bool ok = path_of(j, which, &path, err) && text_read_file(bytes, path.chars, err);
-    text_free(&path);
-    return ok;
-}
 
 static double byte_at(const text *file, size_t at)
 {
@@ -163,8 +136,8 @@ static bool note_unlike(verified_jobs *j, const text *first, const text *other)
 static bool compare(verified_jobs *j, bool *differ, duet_error *err)
 {
     text first = {0}, other = {0};
-    bool ok =
-        read_checkpoint(j, CK_FIRST, &first, err) && read_checkpoint(j, CK_OTHER, &other, err);
+    bool ok = text_read_file(&first, j->checkpoints[CK_FIRST].chars, err) &&
+              text_read_file(&other, j->checkpoints[CK_OTHER].chars, err);
     *differ = ok && note_unlike(j, &first, &other);
     text_free(&first);
     text_free(&other);
@@ -175,29 +148,19 @@ bool verified_jobs_go(verified_jobs *j, const verified_run runs[2], uint64_t kep
                       bool *differ, duet_error *err)
 {
     *differ = false;
-    return go(j, &runs[0], CK_FIRST, kept, step, err) &&
-           go(j, &runs[1], CK_OTHER, kept, step, err) && compare(j, differ, err);
+    return run_job(j, &runs[0], CK_FIRST, kept, step, err) &&
+           run_job(j, &runs[1], CK_OTHER, kept, step, err) && compare(j, differ, err);
 }
 
 bool verified_jobs_keep(const verified_jobs *j, duet_error *err)
 {
-    text from = {0}, to = {0};
-    bool ok = path_of(j, CK_FIRST, &from, err) && path_of(j, CK_KEPT, &to, err) &&
-              (rename(from.chars, to.chars) == 0 ||
-               error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", from.chars, strerror(errno)));
-    text_free(&from);
-    text_free(&to);
-    return ok;
+    const char *from = j->checkpoints[CK_FIRST].chars;
+    return rename(from, j->checkpoints[CK_KEPT].chars) == 0 ||
+           error_set(err, DUET_STATUS_IO_FAILED, "%s: %s", from, strerror(errno));
 }
 
 bool verified_jobs_load(const verified_jobs *j, verified_run runs[2], duet_error *err)
 {
-    bool ok = true;
-    for (int i = 0; ok && i < 2; ++i) {
-        text path = {0};
-        ok = path_of(j, (checkpoint)i, &path, err) &&
-             duet_motion_load(runs[i].motion, path.chars, err);
-        text_free(&path);
-    }
-    return ok;
+    return duet_motion_load(runs[0].motion, j->checkpoints[CK_FIRST].chars, err) &&
+           duet_motion_load(runs[1].motion, j->checkpoints[CK_OTHER].chars, err);
 }

@@ -7,11 +7,13 @@
 
 #include "cli/verified_run.h"
 
+typedef enum checkpoint { CK_FIRST, CK_OTHER, CK_KEPT, CK_FILES } checkpoint;
+
 typedef struct verified_jobs {
     const char *scene; // as it was given, as are its options
     const scene_options *options;
-    text folder; // of the checkpoints
-    int status;  // of a job that failed and has told why; EXIT_OK: none has
+    text folder, checkpoints[CK_FILES]; // and the files in it
+    int status;                         // of a job that failed and has told why; EXIT_OK: none has
     struct {
         size_t at;
         double bytes[2]; // NAN: that one has ended

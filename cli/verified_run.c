@@ -2,33 +2,18 @@
 #include "cli/verified_run.h"
 
 #include "base/error.h"
-#include "cli/say.h"
 #include "runtime/commands/kept_motion.h"
 
 #include <inttypes.h>
-
-// A motion in which nothing happens has no plan.
-static void choose_plan(verified_run *r)
-{
-    duet_error failure = {0};
-    duet_profile profile;
-    bool happens = duet_motion_get_count(r->motion) > 0 && duet_motion_get_effects(r->motion) != 0;
-    if (happens && !inputs_plan_given(&r->plan) &&
-        !duet_motion_load_profile(r->motion, NULL, &profile, &failure))
-        say_failed(&failure);
-}
 
 bool verified_run_open(verified_run *r, const duet_scene *scene, duet_error *err)
 {
     r->pair = inputs_open_pair(r->selectors, err);
     if (!r->pair)
         return false;
+    duet_profile profile;
     duet_motion_def def = duet_scene_motion_def(scene, r->pair);
-    if (!inputs_change_plan(&r->plan, r->pair, r->selectors, &def.plan, err))
-        return false;
-    r->motion = duet_motion_create_from_scene(&def, scene, NULL, err);
-    if (r->motion)
-        choose_plan(r);
+    r->motion = inputs_make_motion(scene, &def, r->selectors, &r->plan, &profile, err);
     if (r->motion && r->path)
         r->replay = duet_replay_create(r->path, err);
     return r->motion && (r->replay || !r->path);
@@ -83,21 +68,13 @@ bool verified_run_sum(verified_run *r, duet_error *err)
            r->not_finite.status == DUET_STATUS_BAD_OBJECT || error_copy(err, &r->not_finite);
 }
 
-duet_plan verified_run_plan(const verified_run *r)
-{
-    const duet_plan *of_pairs = duet_motion_get_plan(r->motion);
-    duet_plan plan = of_pairs ? *of_pairs : duet_default_plan(r->pair);
-    plan.share = of_pairs ? plan.share : 0;
-    return plan;
-}
-
 void verified_run_tell(const verified_run *r, text *to)
 {
     if (r->ranks > 0) {
         text_add(to, "%" PRIu64 " %s", r->ranks, r->ranks == 1 ? "rank" : "ranks");
         return;
     }
-    duet_plan plan = verified_run_plan(r);
+    const duet_plan plan = inputs_motion_plan(r->motion);
     const char *a = duet_device_pair_get_info(r->pair, 0)->selector;
     const char *b = duet_device_pair_get_info(r->pair, 1)->selector;
     if (plan.share == 0)

@@ -40,9 +40,6 @@ bool verified_run_return(verified_run *r, duet_error *err);
 // Fills hash, or not_finite.
 bool verified_run_sum(verified_run *r, duet_error *err);
 
-// The plan of its searches. A motion that finds no pairs has the default plan, and B does all.
-duet_plan verified_run_plan(const verified_run *r);
-
 // Adds "pocl:0[0],pocl:0[1] (share 0.5, slab)", or the selector of a device that does all, or
 // "3 ranks".
 void verified_run_tell(const verified_run *r, text *to);

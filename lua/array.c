@@ -5,7 +5,6 @@
 #include "lua/class.h"
 
 #include <inttypes.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,31 +18,6 @@ typedef struct kind_info {
 } kind_info;
 
 static const kind_info kinds[ARRAY_KINDS];
-
-_Static_assert(offsetof(duet_pose, rotation[3]) == 9 * 4, "a pose is ten floats");
-_Static_assert(offsetof(duet_bounds, upper[2]) == 5 * 4, "bounds are six floats");
-_Static_assert(offsetof(duet_rounded_box, radius) == 10 * 4, "a rounded box is eleven floats");
-_Static_assert(offsetof(duet_sphere, radius) == 3 * 4, "a sphere is four floats");
-_Static_assert(offsetof(duet_transform, rotation[3]) == 6 * 4, "a transform is seven floats");
-_Static_assert(offsetof(duet_compact_transform, rotation[3]) == 3 * 4 + 3 * 2,
-               "three floats and four short integers");
-_Static_assert(offsetof(duet_body, fixed_rotation) == 12 * 4 &&
-                   offsetof(duet_body, sensor) == 12 * 4 + 1 &&
-                   offsetof(duet_body, rolling_resistance) == 13 * 4,
-               "twelve numbers, two of one byte, and what came later");
-_Static_assert(offsetof(duet_ray, t_max) == 6 * 4, "a ray is seven floats");
-_Static_assert(offsetof(duet_large_ray, cell[2]) == 9 * 4, "and its cell three more");
-_Static_assert(offsetof(duet_large_pose, cell[2]) == 12 * 4, "a pose, then a cell");
-_Static_assert(offsetof(duet_ray_hit, t) == 2 * 4, "all of four bytes");
-_Static_assert(offsetof(duet_point_hit, distance) == 2 * 4, "all of four bytes");
-_Static_assert(offsetof(duet_sweep, t_max) == 13 * 4, "a sweep is fourteen floats");
-_Static_assert(offsetof(duet_bounds_sweep, t_max) == 9 * 4, "or ten");
-_Static_assert(offsetof(duet_large_sweep, t_max) == 16 * 4, "or seventeen with a cell");
-_Static_assert(offsetof(duet_rounded_sweep, t_max) == 14 * 4, "or fifteen");
-_Static_assert(offsetof(duet_sphere_sweep, t_max) == 7 * 4, "or eight");
-_Static_assert(offsetof(duet_sweep_hit, normal[2]) == 5 * 4, "all of four bytes");
-_Static_assert(offsetof(duet_state, angular_velocity[2]) == 12 * 8, "a state is thirteen doubles");
-_Static_assert(offsetof(duet_contact, points[3].normal_impulse) == 25 * 4, "all of four bytes");
 
 static int width_of(const array *a)
 {

@@ -6,15 +6,22 @@
 #include "base/blob.h"
 #include "lua/nouns.h"
 
+void load_carried(lua_State *L, const char *path)
+{
+    const blob *b = blob_find(path);
+    const char *name = lua_pushfstring(L, "@%s", path);
+    const int status = luaL_loadbufferx(L, b->bytes, b->length, name, "t");
+    lua_remove(L, -2);
+    if (status != LUA_OK)
+        lua_error(L);
+}
+
 // Leaves what the text returns on the stack.
 static int run_carried(lua_State *L, const char *path)
 {
     if (!L)
         return 0;
-    const blob *b = blob_find(path);
-    lua_pushfstring(L, "@%s", path);
-    if (luaL_loadbufferx(L, b->bytes, b->length, lua_tostring(L, -1), "t") != LUA_OK)
-        return lua_error(L);
+    load_carried(L, path);
     lua_call(L, 0, 1);
     return 1;
 }

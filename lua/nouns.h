@@ -22,6 +22,8 @@
 #define DECLARE_NOUN(noun) extern const lua_noun noun##_noun;
 LUA_NOUNS(DECLARE_NOUN)
 
+void load_carried(lua_State *L, const char *path); // pushes a script that the library carries
+
 void plan_read(lua_State *L, duet_plan *plan);      // the argument at 2
 int plan_push(lua_State *L, const duet_plan *plan); // nil for NULL; returns 1
 const char *shape_name(int shape);

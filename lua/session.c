@@ -2,12 +2,11 @@
 #define _POSIX_C_SOURCE 200809L
 #include "lua/session.h"
 
-#include "base/blob.h"
 #include "base/budget.h"
 #include "base/text_file.h"
 #include "duet_lua.h"
 #include "gen/sandbox.h"
-#include "lua/class.h"
+#include "lua/nouns.h"
 #include "lua/policy.h"
 
 #include <lauxlib.h>
@@ -150,17 +149,6 @@ static void set_arg(lua_State *L, const session_def *def)
         lua_rawseti(L, -2, i);
     }
     lua_setglobal(L, "arg");
-}
-
-static void load_carried(lua_State *L, const char *name)
-{
-    const blob *b = blob_find(name);
-    text at_name = {0};
-    text_add(&at_name, "@%s", name);
-    int status = luaL_loadbufferx(L, b->bytes, b->length, text_chars(&at_name), "t");
-    text_free(&at_name);
-    if (status != LUA_OK)
-        lua_error(L);
 }
 
 // Loads what shows and completes typed words, and the global help.

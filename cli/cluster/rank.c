@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE // CPU_COUNT
 #include "cli/cluster/rank.h"
-#include "cli/cluster/rank_motion.h"
 
 #include "base/compare.h"
 #include "base/error.h"
@@ -108,18 +107,14 @@ static bool check_output(const run_state *r, duet_error *err)
 
 static bool read_scene(run_state *r, const char *path, duet_error *err)
 {
-    char what[64];
     scene_settings settings;
-    snprintf(what, sizeof what, "reading %.50s", strcmp(path, "-") == 0 ? "stdin" : path);
-    progress p = progress_begin(what, 0);
+    inputs_make_settings(&settings, &r->args->scene);
+    progress p = inputs_begin_reading(path);
     if (r->rank == 0)
         progress_follow(&p);
-    bool ok = inputs_make_settings(&settings, &r->args->scene, err);
-    ok = ranks_agree(&r->cluster->ranks, ok, err) &&
-         cluster_load_scene(r->cluster, path, settings.list, settings.n,
-                            r->args->check ? &r->scene : NULL, err);
+    bool ok = cluster_load_scene(r->cluster, path, settings.list, settings.n,
+                                 r->args->check ? &r->scene : NULL, err);
     progress_end(&p);
-    inputs_free_settings(&settings);
     return ok;
 }
 

@@ -12,4 +12,9 @@
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
               const duet_stored_profile *profile, duet_error *err);
 
+// With --steps, of a cluster that is open: advances the scene and prints, on rank 0, what has come
+// of it.
+bool rank_motion_run(duet_cluster *cluster, const cluster_arguments *args, const char *scene,
+                     duet_error *err);
+
 #endif

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "cli/cluster/rank_frames.h"
 
-#include "base/error.h"
-#include "cli/frame_folder.h"
+#include "cli/frames.h"
 #include "cli/vtk/vtk_bodies.h"
 #include "cli/vtk/vtk_ground.h"
 #include "cluster/moving.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 
 static const duet_motion_def *def_of(const rank_frames *f)
 {
@@ -46,16 +44,12 @@ static bool write_bodies(const rank_frames *f, uint32_t k, const char *path, dou
 {
     duet_motion *motion = moving_get_motion(f->cluster->moving, k);
     body_states bodies;
-    uint8_t *asleep = malloc((size_t)duet_motion_get_count(motion) + 1);
-    bool ok = asleep || error_set(err, DUET_STATUS_NO_MEMORY, "a frame: no memory");
-    ok =
-        body_states_read(&bodies, motion, err) && ok && duet_motion_get_asleep(motion, asleep, err);
+    bool ok = body_states_read(&bodies, motion, err);
     if (ok) {
         moving_get_own_ids(f->cluster->moving, k, bodies.ids);
-        ok = vtk_bodies_write(path, &bodies, asleep, f->solids, def_of(f)->dims, time, err);
+        ok = vtk_bodies_write(path, &bodies, f->solids, bodies.def.dims, time, err);
     }
     body_states_free(&bodies);
-    free(asleep);
     return ok;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cli/cluster/rank_motion.h"
+#include "cli/cluster/rank.h"
 
 #include "cli/cluster/rank_check.h"
 #include "cli/cluster/rank_frames.h"
@@ -97,18 +97,16 @@ static bool begin(moved *r, duet_error *err)
 {
     scene_settings settings;
     const char *resume = file_to_resume(r);
-    bool ok = inputs_make_settings(&settings, &r->args->scene, err);
+    inputs_make_settings(&settings, &r->args->scene);
     const moving_start start = {.path = r->scene,
                                 .settings = settings.list,
                                 .n_settings = settings.n,
                                 .resume = resume,
                                 .pair = r->cluster->def.world.pair};
-    ok = ranks_agree(&r->cluster->ranks, ok, err) &&
-         duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume, err) &&
-         take_begin(r, resume, err) && choose_ghosts(r, err) && begin_beside(r, &start, err) &&
-         rank_replay_begin(&r->replay, r->cluster, r->args->replay, r->args->steps, err);
-    inputs_free_settings(&settings);
-    return ok;
+    return duet_cluster_begin_motion(r->cluster, r->scene, settings.list, settings.n, resume,
+                                     err) &&
+           take_begin(r, resume, err) && choose_ghosts(r, err) && begin_beside(r, &start, err) &&
+           rank_replay_begin(&r->replay, r->cluster, r->args->replay, r->args->steps, err);
 }
 
 // After so many steps, and after the last one.

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "cli/draw/snapshot.h"
-#include "cli/frame_folder.h"
+#include "cli/frames.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

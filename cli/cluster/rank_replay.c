@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "cli/cluster/rank_replay.h"
 
-#include "base/error.h"
+#include "cli/inputs.h"
 #include "cluster/moving.h"
 #include "runtime/commands/commands.h"
 #include "runtime/commands/recording.h"
-
-#include <inttypes.h>
 
 // ---------------------------------------------------------------- the file
 
 static bool read_file(rank_replay *r, uint64_t steps, duet_error *own)
 {
     r->file = duet_replay_create(r->path, own);
-    const duet_replay_info info = duet_replay_get_info(r->file);
-    r->n = info.commands;
-    return r->file && (steps <= info.steps ||
-                       error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                                 "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps", steps,
-                                 r->path, info.steps));
+    r->n = duet_replay_get_info(r->file).commands;
+    return r->file && inputs_check_recorded(r->file, r->path, steps, own);
 }
 
 // A motion that goes on from a file has steps, whose commands it was given.
@@ -108,9 +102,8 @@ static bool compare_kept(const rank_replay *r, duet_error *err)
     ranks *all = &r->cluster->ranks;
     uint64_t hash = 0, kept = r->file && replay_has_hash(r->file);
     ranks_broadcast(all, &kept, sizeof kept);
-    return !kept ||
-           (duet_cluster_get_state_hash(r->cluster, &hash, err) &&
-            ranks_agree(all, all->self > 0 || replay_check_hash(r->file, hash, err), err));
+    return !kept || (duet_cluster_get_state_hash(r->cluster, &hash, err) &&
+                     ranks_agree(all, all->self > 0 || replay_check_hash(r->file, hash, err), err));
 }
 
 bool rank_replay_after(rank_replay *r, duet_error *err)

@@ -58,29 +58,36 @@ static bool is_elsewhere(const arguments *args)
     return !args->json && (options_is_stdout(args->csv) || options_is_stdout(args->plot));
 }
 
+// The table, the plot and the report that were asked for of an object, which this deletes.
+static bool tell(const arguments *args, cJSON *o, const char *report, const char *plot,
+                 duet_error *err)
+{
+    static const char *const table[] = {"cli/report/read.lua", "cli/report/accuracy_csv.lua", NULL};
+    bool ok = (!args->csv || rendering_write(args->csv, table, o, err)) &&
+              (!args->plot || rendering_draw(args->plot, plot, o, err));
+    if (ok && !is_elsewhere(args))
+        return rendering_tell(o, args->json, report, err);
+    cJSON_Delete(o);
+    return ok;
+}
+
 static bool run_levels(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
                        duet_error *err)
 {
     level_costs p;
-    level_costs_report r = {duet_scene_get_info(scene), pair, &p};
-    bool ok =
-        level_costs_show(&p, pair, scene, args->repeat ? (uint32_t)args->repeat : REPEAT, err);
-    ok = ok && (!args->csv || level_costs_report_csv(&r, args->csv, err));
-    ok = ok && (!args->plot || level_costs_report_plot(&r, args->plot, err));
-    return ok && (is_elsewhere(args) || rendering_tell(level_costs_report_json(&r), args->json,
-                                                       "cli/report/levels.lua", err));
+    return level_costs_show(&p, pair, scene, args->repeat ? (uint32_t)args->repeat : REPEAT, err) &&
+           tell(args, level_costs_report_json(&p, duet_scene_get_info(scene), pair),
+                "cli/report/levels.lua", "cli/report/levels_plot.lua", err);
 }
 
 static bool run_timesteps(const arguments *args, duet_device_pair *pair, const duet_scene *scene,
                           duet_error *err)
 {
     timestep_study p;
-    timestep_study_report r = {duet_scene_get_info(scene), pair, &p};
-    bool ok = timestep_study_measure(&p, pair, scene, args->time < 0 ? TIME : args->time,
-                                     args->limit < 0 ? LIMIT : args->limit, err);
-    ok = ok && (!args->csv || timestep_study_report_csv(&r, args->csv, err));
-    ok = ok && (!args->plot || timestep_study_report_plot(&r, args->plot, err));
-    return ok && (is_elsewhere(args) || timestep_study_report_tell(&r, args->json, err));
+    return timestep_study_measure(&p, pair, scene, args->time < 0 ? TIME : args->time,
+                                  args->limit < 0 ? LIMIT : args->limit, err) &&
+           tell(args, timestep_study_json(&p, duet_scene_get_info(scene), pair),
+                "cli/report/timesteps.lua", "cli/report/timesteps_plot.lua", err);
 }
 
 // A plot that cannot be drawn is refused before minutes of measuring.

@@ -10,9 +10,7 @@
 #include "cli/report/bench_results.h"
 #include "cli/report/level_costs_report.h"
 #include "cli/report/rendering.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
-#include "cli/timed_task.h"
 #include "tuner/trial_log.h"
 #include "tuner/tuning.h"
 
@@ -257,8 +255,7 @@ static bool measure_levels(bench *b, const duet_scene *scene, duet_error *err)
         return false;
     ++b->done;
     progress_hide(&b->shown);
-    level_costs_report r = {duet_scene_get_info(scene), b->pair, &p};
-    cJSON *o = level_costs_report_json(&r);
+    cJSON *o = level_costs_report_json(&p, duet_scene_get_info(scene), b->pair);
     cJSON_AddItemToArray(cJSON_GetObjectItem(b->results, "accuracy"), o);
     if (!b->tells)
         return true;
@@ -281,7 +278,7 @@ static bool measure_effects(bench *b, const duet_scene *scene, duet_error *err)
     if (!b->tells)
         return true;
     begin_block(b);
-    printf("%s, %s that move\n", info->name, table_things(info->n, "object", "objects").chars);
+    printf("%s, %s that move\n", info->name, say_things(info->n, "object", "objects").chars);
     return rendering_print("cli/report/explain.lua", o, err);
 }
 
@@ -368,7 +365,7 @@ static void tell_stopped(const bench *b, uint32_t n, duet_error *err)
         return;
     *err = (duet_error){0};
     error_set(err, DUET_STATUS_INTERRUPTED, "stopped; %s holds %s", b->args->out,
-              table_things(n, "case", "cases").chars);
+              say_things(n, "case", "cases").chars);
 }
 
 // ---------------------------------------------------------------- a task

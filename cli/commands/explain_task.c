@@ -3,12 +3,9 @@
 // what the store knows it.
 #include "cli/commands/explain_task.h"
 
-#include "base/error.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "runtime/task/task_launch.h"
-
-#include <stdlib.h>
 
 // A task on its devices, with what is free of its kernel on each.
 typedef struct explained {

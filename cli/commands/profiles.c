@@ -8,7 +8,6 @@
 #include "cli/options.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "profiles/exchange.h"
 #include "profiles/profile.h"
@@ -20,16 +19,7 @@
 #include <string.h>
 
 typedef struct verb verb;
-
-typedef struct arguments {
-    const verb *verb;
-    const char *store;
-    uint64_t samples;
-    uint64_t days;
-    bool dead;
-    bool t4;
-    bool json;
-} arguments;
+typedef profiles_arguments arguments;
 
 store *profiles_open(const char *path, store_access access, duet_error *err)
 {
@@ -54,15 +44,9 @@ static const command_line list_line = {
     .options = list_options,
 };
 
-static bool list(store *s, const arguments *args, char **operands, duet_error *err)
-{
-    (void)operands;
-    return profiles_list(s, args->dead, args->json, err);
-}
-
 // --------------------------------------------------------------------------- show
 
-static const option show_options[] = {
+static const option json_options[] = {
     PROFILE_OPTION_ROW(store),
     OPTION_FLAG("json", json, "print one JSON object"),
     {0},
@@ -73,13 +57,8 @@ static const command_line show_line = {
     .operands = "PROFILE",
     .about = "Shows a profile, named by the first digits that 'duet profiles list' prints,\n"
              "with the session it comes from and all its trials.",
-    .options = show_options,
+    .options = json_options,
 };
-
-static bool show(store *s, const arguments *args, char **operands, duet_error *err)
-{
-    return profiles_show(s, operands[0], args->json, err);
-}
 
 // --------------------------------------------------------------------------- diff
 
@@ -87,13 +66,8 @@ static const command_line diff_line = {
     .name = "profiles diff",
     .operands = "PROFILE PROFILE",
     .about = "Shows two profiles side by side, and which one is faster.",
-    .options = show_options,
+    .options = json_options,
 };
-
-static bool diff(store *s, const arguments *args, char **operands, duet_error *err)
-{
-    return profiles_diff(s, operands[0], operands[1], args->json, err);
-}
 
 // --------------------------------------------------------------------- use, forget
 
@@ -161,17 +135,11 @@ static bool export_rows(store *s, const arguments *args, char **operands, duet_e
 
 // ------------------------------------------------------------------ import, merge
 
-static const option import_options[] = {
-    PROFILE_OPTION_ROW(store),
-    OPTION_FLAG("json", json, "print one JSON object"),
-    {0},
-};
-
 static const command_line import_line = {
     .name = "profiles import",
     .operands = "FILE|-",
     .about = "Adds the rows of an export: all of them or, if a line is wrong, none.",
-    .options = import_options,
+    .options = json_options,
 };
 
 static const command_line merge_line = {
@@ -179,14 +147,14 @@ static const command_line merge_line = {
     .operands = "OTHER.db",
     .about = "Adds the rows of another store, which is only read. Every row stays with\n"
              "its own devices and machine; the store's own profiles stay live.",
-    .options = import_options,
+    .options = json_options,
 };
 
 static bool tell_counts(const arguments *args, const profile_import_counts *counts, duet_error *err)
 {
     if (!args->json) {
-        printf("%s rows added, %s known already\n", table_count(counts->added).chars,
-               table_count(counts->known).chars);
+        printf("%s rows added, %s known already\n", say_count(counts->added).chars,
+               say_count(counts->known).chars);
         return true;
     }
     cJSON *o = cJSON_CreateObject();
@@ -255,7 +223,7 @@ static bool prune(store *s, const arguments *args, char **operands, duet_error *
 static const command_line check_line = {
     .name = "profiles check",
     .about = "Whether the file is whole and its rows are what their keys say.",
-    .options = import_options,
+    .options = json_options,
 };
 
 static bool print_report(const arguments *args, const char *report, duet_error *err)
@@ -292,13 +260,14 @@ struct verb {
     const char *about; // in the list of verbs
     const command_line *line;
     store_access access;
-    bool (*run)(store *s, const arguments *args, char **operands, duet_error *err);
+    profiles_call *run;
 };
 
 static const verb verbs[] = {
-    {"list", "list the profiles", &list_line, STORE_READ, list},
-    {"show", "show one, with its trials and where it comes from", &show_line, STORE_READ, show},
-    {"diff", "compare two, side by side", &diff_line, STORE_READ, diff},
+    {"list", "list the profiles", &list_line, STORE_READ, profiles_list},
+    {"show", "show one, with its trials and where it comes from", &show_line, STORE_READ,
+     profiles_show},
+    {"diff", "compare two, side by side", &diff_line, STORE_READ, profiles_diff},
     {"use", "make one the profile that applications load", &use_line, STORE_WRITE, use},
     {"forget", "remove one", &forget_line, STORE_WRITE, forget},
     {"why", "say which profile a scene would get here, and why", NULL, STORE_READ, NULL},

@@ -9,13 +9,21 @@
 
 int profiles_why(int argc, char **argv);
 
-bool profiles_list(store *s, bool dead, bool json, duet_error *err);
+typedef struct profiles_arguments {
+    const struct verb *verb;
+    const char *store;
+    uint64_t samples;
+    uint64_t days;
+    bool dead;
+    bool t4;
+    bool json;
+} profiles_arguments;
 
-// A profile, named by its first digits.
-bool profiles_show(store *s, const char *uid, bool json, duet_error *err);
-
-// Two profiles, named by their first digits, and which is the quicker.
-bool profiles_diff(store *s, const char *first, const char *second, bool json, duet_error *err);
+// The profiles by device pair and size; one, named by its first digits; two, and which is the
+// quicker.
+typedef bool profiles_call(store *s, const profiles_arguments *args, char **operands,
+                           duet_error *err);
+profiles_call profiles_list, profiles_show, profiles_diff;
 
 // Opens the store at path (NULL: the user's), and prints a note on stderr if there is one, as
 // that the store was upgraded.

@@ -33,13 +33,13 @@ static bool show_text(const cJSON *o, duet_error *err)
     return ok && (!session || rendering_print("cli/report/trials.lua", o, err));
 }
 
-bool profiles_show(store *s, const char *uid, bool json, duet_error *err)
+bool profiles_show(store *s, const profiles_arguments *args, char **operands, duet_error *err)
 {
     char whole[PROFILE_ID];
-    cJSON *o = read_profile(s, uid, whole, err);
+    cJSON *o = read_profile(s, operands[0], whole, err);
     bool ok = o && profile_view_add_trials(s, whole, o, err) &&
               profile_view_add_session(s, whole, o, err);
-    if (ok && json)
+    if (ok && args->json)
         return say_json(o, err);
     ok = ok && show_text(o, err);
     cJSON_Delete(o);
@@ -62,29 +62,31 @@ static bool add_compared(cJSON *o, const char *name, store *s, const char *uid, 
     return ok;
 }
 
-bool profiles_diff(store *s, const char *first, const char *second, bool json, duet_error *err)
+bool profiles_diff(store *s, const profiles_arguments *args, char **operands, duet_error *err)
 {
     cJSON *o = cJSON_CreateObject();
-    if (add_compared(o, "first", s, first, err) && add_compared(o, "second", s, second, err))
-        return rendering_tell(o, json, "cli/report/diff.lua", err);
+    if (add_compared(o, "first", s, operands[0], err) &&
+        add_compared(o, "second", s, operands[1], err))
+        return rendering_tell(o, args->json, "cli/report/diff.lua", err);
     cJSON_Delete(o);
     return false;
 }
 
-bool profiles_list(store *s, bool dead, bool json, duet_error *err)
+bool profiles_list(store *s, const profiles_arguments *args, char **operands, duet_error *err)
 {
+    (void)operands;
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("store", store_path(s)));
     cJSON *profiles = cJSON_AddArrayToObject(o, "profiles");
     cJSON *all = cJSON_CreateArray();
-    bool ok =
-        profile_view_add(s, "", dead, ", p.pair_id", profiles, err) &&
-        (json || cJSON_GetArraySize(profiles) > 0 || profile_view_add(s, "", true, "", all, err));
-    if (!json)
+    bool ok = profile_view_add(s, "", args->dead, ", p.pair_id", profiles, err) &&
+              (args->json || cJSON_GetArraySize(profiles) > 0 ||
+               profile_view_add(s, "", true, "", all, err));
+    if (!args->json)
         json_add(o, NUMBER("dead", cJSON_GetArraySize(all)));
     cJSON_Delete(all);
     if (ok)
-        return rendering_tell(o, json, "cli/report/profiles.lua", err);
+        return rendering_tell(o, args->json, "cli/report/profiles.lua", err);
     cJSON_Delete(o);
     return false;
 }

@@ -2,7 +2,6 @@
 // duet report: one page with everything that was measured, to be read in a
 // browser, sent by mail or kept; it loads nothing.
 #include "base/error.h"
-#include "base/text_file.h"
 #include "cli/commands.h"
 #include "cli/commands/profiles.h"
 #include "cli/costs.h"
@@ -40,73 +39,27 @@ static const command_line line = {
     .options = options,
 };
 
-// The contents of the files; later costs of a scene replace earlier ones.
-typedef struct results {
-    cJSON *files[RESULTS_MOST];
-    cJSON *bench[RESULTS_MOST]; // the earliest first
-    cJSON *levels[RESULTS_MOST];
-    cJSON *effects[RESULTS_MOST];
-    uint32_t n_files;
-    uint32_t n_bench;
-    uint32_t n_levels;
-    uint32_t n_effects;
-} results;
-
-static bool is_same_subject(const cJSON *x, const cJSON *y)
-{
-    static const char *const names[] = {"scene", "a", "b"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (strcmp(json_string(x, names[i]), json_string(y, names[i])) != 0)
-            return false;
-    return json_number(x, "objects") == json_number(y, "objects");
-}
-
-static void keep_latest(cJSON **list, uint32_t *n, cJSON *one)
-{
-    uint32_t i = 0;
-    while (i < *n && !is_same_subject(list[i], one))
-        ++i;
-    if (i == RESULTS_MOST)
-        return;
-    list[i] = one;
-    *n += i == *n;
-}
-
-static void keep_bench(results *r, cJSON *o)
-{
-    cJSON *one;
-    r->bench[r->n_bench++] = o;
-    cJSON_ArrayForEach(one, json_list(o, "accuracy")) keep_latest(r->levels, &r->n_levels, one);
-    cJSON_ArrayForEach(one, json_list(o, "effects")) keep_latest(r->effects, &r->n_effects, one);
-}
-
-static bool keep_file(results *r, cJSON *o, const char *path, duet_error *err)
+static bool check_file(const cJSON *o, const char *path, duet_error *err)
 {
     const char *type = json_string(o, "type");
-    r->files[r->n_files++] = o;
-    if (strcmp(type, LEVEL_COSTS_TYPE) == 0) {
-        keep_latest(r->levels, &r->n_levels, o);
+    if (strcmp(type, LEVEL_COSTS_TYPE) == 0)
         return level_costs_report_check(o, path, err);
-    }
-    if (strcmp(type, COSTS_TYPE) == 0) {
-        keep_latest(r->effects, &r->n_effects, o);
+    if (strcmp(type, COSTS_TYPE) == 0)
         return costs_report_check(o, path, err);
-    }
-    if (strcmp(type, BENCH_TYPE) != 0)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: no results of 'duet bench --output', 'duet accuracy --json' or 'duet "
-                         "explain --measure --json'",
-                         path);
-    keep_bench(r, o);
-    return bench_check(o, path, err);
+    if (strcmp(type, BENCH_TYPE) == 0)
+        return bench_check(o, path, err);
+    return error_set(err, DUET_STATUS_BAD_INPUT,
+                     "%s: no results of 'duet bench --output', 'duet accuracy --json' or 'duet "
+                     "explain --measure --json'",
+                     path);
 }
 
-static bool read_results(results *r, char **paths, duet_error *err)
+static bool add_files(cJSON *files, char **paths, duet_error *err)
 {
     bool ok = true;
     for (; ok && *paths; ++paths) {
         cJSON *o = json_read(*paths, err);
-        ok = o && keep_file(r, o, *paths, err);
+        ok = o && cJSON_AddItemToArray(files, o) && check_file(o, *paths, err);
     }
     return ok;
 }
@@ -127,35 +80,24 @@ static bool add_store(cJSON *shown, const char *path, bool needed, duet_error *e
     return ok;
 }
 
-static void add_list(cJSON *shown, const char *name, cJSON *const *list, uint32_t n)
+static bool write_page(const arguments *args, const cJSON *shown, duet_error *err)
 {
-    for (uint32_t i = 0; i < n; ++i)
-        cJSON_AddItemReferenceToArray(cJSON_GetObjectItem(shown, name), list[i]);
-}
-
-static bool write_page(const arguments *args, const results *r, duet_error *err)
-{
-    text page = {0};
-    cJSON *shown = page_begin();
-    add_list(shown, "levels", r->levels, r->n_levels);
-    add_list(shown, "effects", r->effects, r->n_effects);
-    add_list(shown, "bench", r->bench, r->n_bench);
-    bool ok = add_store(shown, args->store, r->n_files == 0, err) && page_make(&page, shown, err);
     const char *path = args->out ? args->out : usual_page;
-    ok = ok && text_write_file(path, text_chars(&page), page.length, err);
-    if (ok && !args->out)
+    if (!page_write(path, shown, err))
+        return false;
+    if (!args->out)
         printf("-> %s\n", path);
-    cJSON_Delete(shown);
-    text_free(&page);
-    return ok;
+    return true;
 }
 
-static bool run(void *args, char **paths, duet_error *err)
+static bool run(void *given, char **paths, duet_error *err)
 {
-    results r = {.n_files = 0};
-    bool ok = read_results(&r, paths, err) && write_page(args, &r, err);
-    for (uint32_t i = 0; i < r.n_files; ++i)
-        cJSON_Delete(r.files[i]);
+    const arguments *args = given;
+    cJSON *files, *shown = page_begin(&files);
+    bool ok = add_files(files, paths, err) &&
+              add_store(shown, args->store, cJSON_GetArraySize(files) == 0, err) &&
+              write_page(args, shown, err);
+    cJSON_Delete(shown);
     return ok;
 }
 

@@ -9,8 +9,6 @@
 #include "cli/say.h"
 #include "cli/timed.h"
 
-#include <string.h>
-
 static const option options[] = {
     SCENE_OPTION_ROWS(scene),
     OPTION_INPUT("task", task, "FILE",
@@ -58,11 +56,10 @@ static const option_rule rules[] = {
 static const char *refuse(const void *given, char **operands)
 {
     const arguments *args = given;
-    size_t n = args->picture ? strlen(args->picture) : 0;
     timed_input input;
     frames_format format;
     (void)operands;
-    if (args->picture && (n < 5 || strcmp(args->picture + n - 4, ".png") != 0))
+    if (args->picture && !text_ends_with(args->picture, ".png"))
         return "--picture: the name of a run's picture ends with .png";
     if (!timed_input_named(args->input, &input))
         return "--input: give host (all of the objects), resident (nothing: they stay on the "

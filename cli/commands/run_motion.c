@@ -2,6 +2,7 @@
 #include "cli/commands/run.h"
 
 #include "base/error.h"
+#include "cli/draw/snapshot.h"
 #include "cli/frames.h"
 #include "cli/interrupt.h"
 #include "cli/report/motion_report.h"
@@ -71,30 +72,15 @@ static bool step(moved *r, duet_error *err)
     return save_checkpoint(r, err) && tell_step(r, err) && frames_add(&r->frames, time_of(r), err);
 }
 
-// Like choose_plan; a motion in which nothing happens has no plan.
-static void choose_motion_plan(moved *r)
-{
-    duet_error failure = {0};
-    motion_report *told = &r->report;
-    bool happens = duet_motion_get_count(r->motion) > 0 && duet_motion_get_effects(r->motion) != 0;
-    *told = (motion_report){.scene = duet_scene_get_info(r->scene),
-                            .motion = r->motion,
-                            .plan_given = inputs_plan_given(&r->args->plan),
-                            .profile.grade = DUET_GRADE_DEFAULT};
-    if (happens && !told->plan_given &&
-        !duet_motion_load_profile(r->motion, NULL, &told->profile, &failure))
-        say_failed(&failure);
-}
-
 static bool open_motion(moved *r, duet_device_pair *pair, duet_error *err)
 {
     r->def = duet_scene_motion_def(r->scene, pair);
     r->def.stage_times = r->args->steps <= FEW_STEPS;
-    if (!inputs_change_plan(&r->args->plan, pair, r->args->pair, &r->def.plan, err))
-        return false;
-    r->motion = duet_motion_create_from_scene(&r->def, r->scene, NULL, err);
-    if (r->motion)
-        choose_motion_plan(r);
+    r->motion = inputs_make_motion(r->scene, &r->def, r->args->pair, &r->args->plan,
+                                   &r->report.profile, err);
+    r->report.scene = duet_scene_get_info(r->scene);
+    r->report.motion = r->motion;
+    r->report.plan_given = inputs_plan_given(&r->args->plan);
     bool draws = r->args->picture || r->args->frames;
     return r->motion && (!draws || snapshot_begin(&r->look, &r->def, r->scene, r->motion, err));
 }
@@ -122,11 +108,7 @@ static bool open_replay(moved *r, duet_error *err)
     if (!r->args->replay)
         return true;
     r->replay = duet_replay_create(r->args->replay, err);
-    uint64_t recorded = duet_replay_get_info(r->replay).steps;
-    return r->replay && (r->args->steps <= recorded ||
-                         error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                   "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
-                                   r->args->steps, r->args->replay, recorded));
+    return r->replay && inputs_check_recorded(r->replay, r->args->replay, r->args->steps, err);
 }
 
 static bool save_recording(moved *r, duet_error *err)

@@ -20,12 +20,8 @@ typedef struct still {
     const char *path;
     duet_scene *scene;
     duet_device_pair *pair;
-    timed_input input;
-    uint32_t *ids; // names of the objects before they were put in order; NULL: they were not
-    duet_world *world;
-    timed timed;
-    text tuning; // the command that measures a plan
-    run_report report;
+    uint32_t *ids;     // names of the objects before they were put in order; NULL: they were not
+    run_report report; // tells of its world and steps
 } still;
 
 // ---------------------------------------------------------------- the world
@@ -42,13 +38,14 @@ static bool make_world(still *s, duet_error *err)
     if (!inputs_change_level(&args->level, &def, err) ||
         !inputs_change_plan(&args->plan, s->pair, args->pair, &def.plan, err))
         return false;
-    def.separate_sizes = s->input == TIMED_INPUT_TRANSFORMS;
-    def.compact_transforms = s->input == TIMED_INPUT_COMPACT;
+    def.separate_sizes = s->report.input == TIMED_INPUT_TRANSFORMS;
+    def.compact_transforms = s->report.input == TIMED_INPUT_COMPACT;
     def.ordered = args->ordered;
-    s->world = duet_world_create(&def, err);
-    if (!s->world)
+    s->report.world = duet_world_create(&def, err);
+    if (!s->report.world)
         return false;
-    bool idle_a = duet_device_pair_is_one(s->pair) && duet_world_get_plan(s->world)->share == 0;
+    bool idle_a =
+        duet_device_pair_is_one(s->pair) && duet_world_get_plan(s->report.world)->share == 0;
     return !idle_a || !args->plan.variants[0] ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "--variant-a: A and B are one device, which works as B; expected --variant");
@@ -59,14 +56,13 @@ static bool make_world(still *s, duet_error *err)
 static bool choose_plan(still *s, duet_error *err)
 {
     run_report *r = &s->report;
-    r->plan_given = inputs_plan_given(&s->args->plan);
     r->profile.grade = DUET_GRADE_DEFAULT;
-    if (r->plan_given || duet_scene_get_info(s->scene)->n == 0)
+    if (inputs_plan_given(&s->args->plan) || r->scene->n == 0)
         return true;
-    if (!duet_world_set_scene(s->world, s->scene, err))
+    if (!duet_world_set_scene(r->world, s->scene, err))
         return false;
     duet_error failure = {0};
-    if (!duet_world_load_profile(s->world, NULL, &r->profile, &failure))
+    if (!duet_world_load_profile(r->world, NULL, &r->profile, &failure))
         say_failed(&failure);
     return true;
 }
@@ -85,7 +81,7 @@ static bool compare(still *s, const duet_pair *pairs, uint64_t n, duet_error *er
 {
     reference_check *check = &s->report.check;
     duet_pair *expected = NULL;
-    if (!inputs_find_reference(s->scene, duet_world_get_level(s->world), &expected,
+    if (!inputs_find_reference(s->scene, duet_world_get_level(s->report.world), &expected,
                                &check->reference, err))
         return false;
     sorted_pairs_count wrong = {0};
@@ -99,7 +95,7 @@ static bool compare(still *s, const duet_pair *pairs, uint64_t n, duet_error *er
 // The pairs' ids are those that objects had before they were put in order.
 static bool find_own_hash(still *s, duet_error *err)
 {
-    timed *t = &s->timed;
+    timed *t = &s->report.timed;
     duet_pair *pairs = sorted_pairs_of(&t->last, err);
     if (!pairs)
         return false;
@@ -112,7 +108,7 @@ static bool find_own_hash(still *s, duet_error *err)
 static bool use_pairs(still *s, duet_error *err)
 {
     const arguments *args = s->args;
-    const duet_result *result = &s->timed.last;
+    const duet_result *result = &s->report.timed.last;
     if (!args->check && !args->pairs_path)
         return true;
     duet_pair *pairs = sorted_pairs_of(result, err);
@@ -131,50 +127,25 @@ static bool use_pairs(still *s, duet_error *err)
 
 static void write_tuning(still *s)
 {
-    text_add(&s->tuning, "duet tune");
-    command_text_scene(&s->tuning, s->path, &s->args->scene);
-    command_text_pair(&s->tuning, s->pair);
-    command_text_level(&s->tuning, &s->args->level);
+    text *tuning = &s->report.tuning;
+    text_add(tuning, "duet tune");
+    command_text_scene(tuning, s->path, &s->args->scene);
+    command_text_pair(tuning, s->pair);
+    command_text_level(tuning, &s->args->level);
     if (s->args->ordered)
-        text_add(&s->tuning, " --ordered");
+        text_add(tuning, " --ordered");
 }
 
-static void begin_report(still *s)
-{
-    duet_accuracy accuracy;
-    write_tuning(s);
-    s->report = (run_report){.scene = duet_scene_get_info(s->scene),
-                             .pair = s->pair,
-                             .plan = duet_world_get_plan(s->world),
-                             .timed = &s->timed,
-                             .tuning = text_chars(&s->tuning),
-                             .input = s->input,
-                             .ordered = s->args->ordered,
-                             .check.asked = s->args->check,
-                             .accuracy_given = inputs_accuracy_given(&s->args->level, &accuracy)};
-}
-
-// The step whose stages the report has.
-static bool draw_timeline(const still *s, duet_error *err)
-{
-    const timed_step *step = timed_staged(&s->timed);
-    const time_lines shown = {.title = s->report.scene->name,
-                              .pair = s->pair,
-                              .plan = s->report.plan,
-                              .total_ms = step->total_ms,
-                              .stages = step->stages,
-                              .n_stages = step->n_stages};
-    return !s->args->timeline || time_lines_write(&shown, s->args->timeline, err);
-}
-
+// The time lines are of the step whose stages the report has.
 static bool tell(const still *s, duet_error *err)
 {
     const run_report *r = &s->report;
-    if (!draw_timeline(s, err))
+    if (!time_lines_write(s->args->timeline, r->scene->name, s->pair, duet_world_get_plan(r->world),
+                          timed_staged(&s->report.timed), err))
         return false;
     bool elsewhere = !s->args->json && (options_is_stdout(s->args->pairs_path) ||
                                         options_is_stdout(s->args->timeline));
-    if (!elsewhere && !run_report_tell(r, s->args->json, err))
+    if (!elsewhere && !run_report_tell(r, err))
         return false;
     return reference_check_is_right(&r->check) ||
            error_set(err, DUET_STATUS_WRONG_RESULT, "%s: the pairs differ from the reference's",
@@ -184,11 +155,10 @@ static bool tell(const still *s, duet_error *err)
 // The profile that is chosen may bring a level.
 static bool step(still *s, duet_error *err)
 {
-    begin_report(s);
-    if (!choose_plan(s, err))
-        return false;
-    s->report.level = duet_level_get_info(duet_world_get_level(s->world))->name;
-    return timed_run(&s->timed, s->world, s->scene, (uint32_t)s->args->repeat, s->input, err) &&
+    run_report *r = &s->report;
+    write_tuning(s);
+    return choose_plan(s, err) &&
+           timed_run(&r->timed, r->world, s->scene, (uint32_t)s->args->repeat, r->input, err) &&
            (!s->ids || find_own_hash(s, err)) && use_pairs(s, err);
 }
 
@@ -196,12 +166,17 @@ bool run_still(const arguments *args, const char *path, duet_scene *scene, duet_
                duet_error *err)
 {
     still s = {.args = args, .path = path, .scene = scene, .pair = pair};
-    timed_input_named(args->input, &s.input); // which it is: run.c looked
+    run_report *r = &s.report;
+    *r = (run_report){.args = args,
+                      .scene = duet_scene_get_info(scene),
+                      .pair = pair,
+                      .check.asked = args->check};
+    timed_input_named(args->input, &r->input); // which it is: run.c looked
     bool ok = put_in_order(&s, err) && make_world(&s, err) && step(&s, err) && tell(&s, err) &&
               interrupt_check(err);
-    timed_free(&s.timed);
-    text_free(&s.tuning);
-    duet_world_destroy(s.world);
+    timed_free(&r->timed);
+    text_free(&r->tuning);
+    duet_world_destroy(r->world);
     duet_free(s.ids);
     return ok;
 }

@@ -4,14 +4,13 @@
 // The first launch warms up; of the others the one with the median time is shown.
 #include "cli/commands/run.h"
 
-#include "base/error.h"
 #include "cli/command_text.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "cli/report/run_report.h"
 #include "cli/report/time_lines.h"
 #include "cli/say.h"
-#include "cli/timed_task.h"
+#include "cli/timed.h"
 #include "runtime/selection/profile_subject.h"
 
 #include <string.h>
@@ -88,25 +87,13 @@ static bool report(const arguments *args, const ran *r, duet_error *err)
     return rendering_tell(o, args->json, "cli/report/run_task.lua", err);
 }
 
-static bool draw_timeline(const arguments *args, const ran *r, duet_error *err)
-{
-    const timed_step *m = timed_median(&r->times);
-    const time_lines shown = {.title = r->task->name,
-                              .pair = r->pair,
-                              .plan = &r->plan,
-                              .total_ms = m->total_ms,
-                              .stages = m->stages,
-                              .n_stages = m->n_stages};
-    return !args->timeline || time_lines_write(&shown, args->timeline, err);
-}
-
 static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_error *err)
 {
     ran r = {.task = t, .pair = pair};
     task_launcher *l = task_launcher_open(t, pair, err);
     bool ok = l && choose_plan(args, &r, err) &&
               timed_task_run(&r.times, l, pair, &r.plan, (uint32_t)args->repeat, err) &&
-              draw_timeline(args, &r, err);
+              time_lines_write(args->timeline, t->name, pair, &r.plan, timed_median(&r.times), err);
     if (ok && (args->json || !options_is_stdout(args->timeline)))
         ok = report(args, &r, err);
     timed_free(&r.times);

@@ -66,25 +66,22 @@ static const command_line line = {
 
 // ---------------------------------------------------------------- one text
 
-// Settings of a scene and of the command line, with space for their names.
+// Settings of a scene and of the command line.
 typedef struct settings {
     gen_setting at[OPTION_LIST_MOST + 8];
-    char names[OPTION_LIST_MOST][48];
     uint32_t n;
 } settings;
 
 // "WG=128"
-static bool read_setting(const char *chars, settings *s, uint32_t i, duet_error *err)
+static bool read_setting(const option_setting *given, settings *s, duet_error *err)
 {
-    const char *equals = strchr(chars, '=');
     char *end = NULL;
     errno = 0;
-    int64_t value = strtoll(equals + 1, &end, 10);
-    if (equals[1] == '\0' || *end != '\0' || errno != 0)
+    int64_t value = strtoll(given->value, &end, 10);
+    if (*given->value == '\0' || *end != '\0' || errno != 0)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--set '%s': give a whole number, as WG=64",
-                         chars);
-    snprintf(s->names[i], sizeof s->names[i], "%.*s", (int)(equals - chars), chars);
-    s->at[s->n++] = (gen_setting){s->names[i], value};
+                         given->written);
+    s->at[s->n++] = (gen_setting){given->name, value};
     return true;
 }
 
@@ -127,7 +124,7 @@ static bool gather_settings(gen *g, const char *name, const gen_limits *limits,
 {
     bool ok = !args->scene || add_scene(g, name, limits, args->scene, s, err);
     for (uint32_t i = 0; ok && i < args->settings.n; ++i)
-        ok = read_setting(args->settings.items[i], s, i, err);
+        ok = read_setting(&args->settings.items[i], s, err);
     return ok;
 }
 

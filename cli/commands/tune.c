@@ -3,11 +3,11 @@
 //
 // Each number of objects is a workload of its own. Ctrl-C keeps what was
 // measured, and the same command goes on from there.
+#include "cli/commands/tune.h"
 #include "base/error.h"
 #include "base/text_file.h"
 #include "cli/command_text.h"
 #include "cli/commands.h"
-#include "cli/commands/tune_replay.h"
 #include "cli/inputs.h"
 #include "cli/report/tune_report.h"
 #include "cli/tune_config.h"
@@ -17,35 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MOST_NUMBERS = 64 };
-
-typedef struct arguments {
-    scene_options scene;
-    const char *config;
-    const char *task;
-    const char *numbers;
-    const char *pair;
-    const char *strategy;
-    const char *strategy_path;
-    const char *objective;
-    const char *search;
-    const char *query;
-    uint64_t items;
-    uint64_t steps;
-    const char *variants;
-    level_options level;
-    double budget_seconds;
-    uint64_t budget_trials;
-    uint64_t repeats;
-    double wait_seconds;
-    const char *store;
-    const char *replay;
-    bool ordered;
-    bool fresh;
-    bool keep;
-    bool json;
-} arguments;
 
 static const option options[] = {
     OPTION_TEXT("config", config, "FILE", "a tune.lua: workloads, strategy, budget, variants"),
@@ -129,19 +100,19 @@ static const command_line line = {
 // ---------------------------------------------------------------- lists
 
 // "1000,2000" as numbers.
-static bool read_numbers(const char *list, int64_t *numbers, uint32_t *n, duet_error *err)
+static bool read_numbers(const char *list, number_list *numbers, duet_error *err)
 {
-    *n = 0;
-    for (const char *at = list; *at || *n == 0;) {
+    numbers->n = 0;
+    for (const char *at = list; *at || numbers->n == 0;) {
         uint64_t number;
         const char *end = options_read_count(at, &number);
         if (!end || number > UINT32_MAX || (*end != ',' && *end != '\0') ||
-            (*end == ',' && !end[1]) || *n == MOST_NUMBERS)
+            (*end == ',' && !end[1]) || numbers->n == MOST_NUMBERS)
             return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                              "--objects '%s': give up to %d numbers with commas between them, as "
                              "250000,500000",
                              list, MOST_NUMBERS);
-        numbers[(*n)++] = (int64_t)number;
+        numbers->items[numbers->n++] = (int64_t)number;
         at = *end == ',' ? end + 1 : end;
     }
     return true;
@@ -201,15 +172,14 @@ static bool change_levels(const level_options *asked, tune_config *config, duet_
 
 static bool add_scene(const arguments *args, const char *path, tune_config *config, duet_error *err)
 {
-    int64_t numbers[MOST_NUMBERS] = {-1};
-    uint32_t n = 1;
-    if (args->numbers && !read_numbers(args->numbers, numbers, &n, err))
+    number_list numbers = {{-1}, 1};
+    if (args->numbers && !read_numbers(args->numbers, &numbers, err))
         return false;
-    config->n_workloads = n;
-    for (uint32_t i = 0; i < n; ++i)
+    config->n_workloads = numbers.n;
+    for (uint32_t i = 0; i < numbers.n; ++i)
         config->workloads[i] = (config_workload){.scene = path,
                                                  .task = args->task,
-                                                 .n = numbers[i],
+                                                 .n = numbers.items[i],
                                                  .query = args->query,
                                                  .items = args->items,
                                                  .steps = (uint32_t)args->steps};
@@ -293,8 +263,8 @@ static scene_options options_of(const arguments *args, const config_workload *w)
 {
     scene_options scene = args->scene;
     scene.n = w->n < 0 ? UINT64_MAX : (uint64_t)w->n;
-    for (uint32_t i = 0; i < w->n_settings && scene.settings.n < OPTION_LIST_MOST; ++i)
-        scene.settings.items[scene.settings.n++] = w->settings[i];
+    for (uint32_t i = 0; i < w->n_settings; ++i)
+        option_list_add(&scene.settings, w->settings[i]);
     return scene;
 }
 
@@ -370,10 +340,7 @@ static bool tune_loaded(const arguments *args, duet_tune_def *def, const config_
     duet_tune_outcome outcome;
     text command = {0};
     aim_at(def, w, args->config);
-    if (def->task)
-        tune_report_task(report, def->task);
-    else
-        tune_report_workload(report, duet_scene_get_info(def->scene), def);
+    tune_report_workload(report, def);
     if (!duet_tune_run(def, &outcome, err))
         return false;
     begin_command(&command, args, w, def->pair);
@@ -413,17 +380,9 @@ static bool tune_workloads(const arguments *args, const tune_config *config, tun
 
 static bool replay(const arguments *args, const char *scene, duet_error *err)
 {
-    int64_t numbers[MOST_NUMBERS];
-    replay_options asked = {.store = args->replay,
-                            .scene = scene,
-                            .numbers = numbers,
-                            .strategy = args->strategy,
-                            .strategy_path = args->strategy_path,
-                            .repeats = args->repeats,
-                            .seed = args->scene.seed == UINT64_MAX ? 0 : args->scene.seed,
-                            .json = args->json};
-    return (!args->numbers || read_numbers(args->numbers, numbers, &asked.n_numbers, err)) &&
-           tune_replay(&asked, err);
+    number_list numbers = {.n = 0};
+    return (!args->numbers || read_numbers(args->numbers, &numbers, err)) &&
+           tune_replay(args, scene, &numbers, err);
 }
 
 static bool run(void *given, char **operands, duet_error *err)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One tuning draws its launches by chance. So each strategy is replayed many times, and the run
 // with the median loss is shown, whose figures belong together.
-#include "cli/commands/tune_replay.h"
+#include "cli/commands/tune.h"
 
 #include "base/error.h"
 #include "base/text_file.h"
@@ -68,16 +68,21 @@ static bool replay_strategy(replay *r, duet_tune_def def, script *own, cJSON *ro
     return true;
 }
 
+static uint64_t seed_of(const arguments *args)
+{
+    return args->scene.seed == UINT64_MAX ? 0 : args->scene.seed;
+}
+
 // The strategy that was asked for, or each that needs no script and fits the surface. Brute force
 // takes what was recorded for the truth.
-static bool replay_strategies(replay *r, const replay_options *options, script *lua, cJSON *rows,
+static bool replay_strategies(replay *r, const arguments *args, script *lua, cJSON *rows,
                               duet_error *err)
 {
-    const char *asked = lua ? strategy_lua.name : options->strategy;
+    const char *asked = lua ? strategy_lua.name : args->strategy;
     const strategy_choice choice = r->surface->joint ? STRATEGY_JOINT : STRATEGY_SHARE;
     duet_tune_def def = duet_default_tune_def();
-    def.seed = options->seed;
-    def.repeats = options->repeats ? (uint32_t)options->repeats : def.repeats;
+    def.seed = seed_of(args);
+    def.repeats = args->repeats ? (uint32_t)args->repeats : def.repeats;
     if ((def.strategy = asked))
         return replay_strategy(r, def, lua, rows, err);
     for (uint32_t i = 0; strategies[i]; ++i) {
@@ -118,7 +123,7 @@ static cJSON *describe(const replay *r)
     return o;
 }
 
-static bool replay_surface(store *s, const profile_surface *surface, const replay_options *options,
+static bool replay_surface(store *s, const profile_surface *surface, const arguments *args,
                            script *lua, cJSON *workloads, duet_error *err)
 {
     replay r;
@@ -126,70 +131,70 @@ static bool replay_surface(store *s, const profile_surface *surface, const repla
     if (ok) {
         cJSON *o = describe(&r);
         cJSON_AddItemToArray(workloads, o);
-        ok = replay_strategies(&r, options, lua, cJSON_AddArrayToObject(o, "strategies"), err);
+        ok = replay_strategies(&r, args, lua, cJSON_AddArrayToObject(o, "strategies"), err);
     }
     replay_close(&r);
     return ok;
 }
 
 // A strategy that is asked for is replayed on the surfaces of its kind.
-static bool fits(const profile_surface *surface, const replay_options *options, script *lua)
+static bool fits(const profile_surface *surface, const arguments *args, script *lua)
 {
-    const char *asked = lua ? strategy_lua.name : options->strategy;
+    const char *asked = lua ? strategy_lua.name : args->strategy;
     const strategy *s = asked ? strategy_of(asked, lua) : NULL;
     return !s || (s->choice != STRATEGY_SHARE) == surface->joint;
 }
 
-static bool is_wanted(const profile_surface *surface, const replay_options *options)
+static bool is_wanted(const profile_surface *surface, const char *scene, const number_list *numbers)
 {
-    bool listed = options->n_numbers == 0;
-    for (uint32_t i = 0; i < options->n_numbers; ++i)
-        listed |= (uint64_t)options->numbers[i] == surface->n;
-    return listed && (!options->scene || strcmp(options->scene, surface->scene) == 0);
+    bool listed = numbers->n == 0;
+    for (uint32_t i = 0; i < numbers->n; ++i)
+        listed |= (uint64_t)numbers->items[i] == surface->n;
+    return listed && (!scene || strcmp(scene, surface->scene) == 0);
 }
 
-static bool fail_unwanted(const replay_options *options, const profile_surface *surfaces,
-                          uint32_t n, duet_error *err)
+static bool fail_unwanted(const arguments *args, const profile_surface *surfaces, uint32_t n,
+                          duet_error *err)
 {
     text known = {0};
     if (n == 0)
         return error_set(err, DUET_STATUS_NOT_FOUND,
                          "%s: no workload's shares were all measured; expected one that 'duet tune "
                          "SCENE --strategy grid' has stored",
-                         options->store);
+                         args->replay);
     for (uint32_t i = 0; i < n; ++i)
         text_add(&known, "%s%s -n %llu", i ? ", " : "", surfaces[i].scene,
                  (unsigned long long)surfaces[i].n);
     error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: does not have that workload; it has %s",
-              options->store, text_chars(&known));
+              args->replay, text_chars(&known));
     text_free(&known);
     return false;
 }
 
-static bool fail_unfit(const replay_options *options, duet_error *err)
+static bool fail_unfit(const arguments *args, duet_error *err)
 {
     return error_set(err, DUET_STATUS_NOT_FOUND,
                      "%s: has no workload for that strategy; expected shares that '--strategy "
                      "grid' has stored, or kernels and shares that '--strategy brute' has",
-                     options->store);
+                     args->replay);
 }
 
-static bool replay_store(store *s, const replay_options *options, script *lua, cJSON *workloads,
-                         duet_error *err)
+static bool replay_store(store *s, const arguments *args, const char *scene,
+                         const number_list *numbers, script *lua, cJSON *workloads, duet_error *err)
 {
     profile_surface *surfaces;
     uint32_t n;
     bool ok = profile_surfaces_get(s, &surfaces, &n, err);
     bool wanted = false;
     for (uint32_t i = 0; ok && i < n; ++i) {
-        if (!is_wanted(&surfaces[i], options))
+        if (!is_wanted(&surfaces[i], scene, numbers))
             continue;
         wanted = true;
-        ok = !fits(&surfaces[i], options, lua) ||
-             replay_surface(s, &surfaces[i], options, lua, workloads, err);
+        ok = !fits(&surfaces[i], args, lua) ||
+             replay_surface(s, &surfaces[i], args, lua, workloads, err);
     }
     if (ok && cJSON_GetArraySize(workloads) == 0)
-        ok = wanted ? fail_unfit(options, err) : fail_unwanted(options, surfaces, n, err);
+        ok = wanted ? fail_unfit(args, err) : fail_unwanted(args, surfaces, n, err);
     free(surfaces);
     return ok && store_check_read(s, err);
 }
@@ -206,21 +211,22 @@ static bool open_script(const char *path, script **opened, duet_error *err)
     return *opened;
 }
 
-bool tune_replay(const replay_options *options, duet_error *err)
+bool tune_replay(const arguments *args, const char *scene, const number_list *numbers,
+                 duet_error *err)
 {
     script *lua;
-    if (!open_script(options->strategy_path, &lua, err))
+    if (!open_script(args->strategy_path, &lua, err))
         return false;
     cJSON *workloads = cJSON_CreateArray();
-    store *s = profiles_open(options->store, STORE_READ, err);
-    bool ok = s && replay_store(s, options, lua, workloads, err);
+    store *s = profiles_open(args->replay, STORE_READ, err);
+    bool ok = s && replay_store(s, args, scene, numbers, lua, workloads, err);
     store_close(s);
     script_close(lua);
     cJSON *o = cJSON_CreateObject();
-    json_add(o, NUMBER("seed", options->seed), NUMBER("runs", RUNS));
+    json_add(o, NUMBER("seed", seed_of(args)), NUMBER("runs", RUNS));
     cJSON_AddItemToObject(o, "workloads", workloads);
     if (ok)
-        return rendering_tell(o, options->json, "cli/report/replay.lua", err);
+        return rendering_tell(o, args->json, "cli/report/replay.lua", err);
     cJSON_Delete(o);
     return false;
 }

@@ -12,7 +12,6 @@
 #include "cli/difference.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "cli/verified_jobs.h"
 
@@ -84,8 +83,23 @@ static const command_line line = {
     .refuse = refuse,
 };
 
-typedef struct verification {
+typedef struct verification verification;
+
+// How both runs are moved: by this process, or by jobs over ranks.
+typedef struct mover {
+    // Takes steps up to one, or less far where something ends the runs before. *differ: something
+    // does, or is no longer finite.
+    bool (*go)(verification *v, uint64_t step, bool *differ, duet_error *err);
+    // Takes the next step, and finds what differs in it.
+    bool (*compare_step)(verification *v, duet_error *err);
+    // Keeps both states, which are equal; goes back to them.
+    bool (*keep)(verification *v, duet_error *err);
+    bool (*go_back)(verification *v, duet_error *err);
+} mover;
+
+struct verification {
     const arguments *args;
+    const mover *by;
     const duet_scene *scene;
     verified_run runs[2];
     verified_jobs jobs; // make the steps if runs have ranks
@@ -95,20 +109,18 @@ typedef struct verification {
     difference first;
     progress shown;
     char twice[160]; // selectors of the other run
-} verification;
+};
+
+static const mover here, by_jobs;
 
 // ---------------------------------------------------------------- two runs
-
-static bool is_over_ranks(const verification *v)
-{
-    return v->runs[0].ranks > 0;
-}
 
 // Both runs have ranks, or none has.
 static void take_ranks(verification *v)
 {
     const uint64_t ranks[2] = {v->args->ranks, v->args->other_ranks};
-    for (int i = 0; i < 2 && (ranks[0] > 0 || ranks[1] > 0); ++i)
+    v->by = ranks[0] > 0 || ranks[1] > 0 ? &by_jobs : &here;
+    for (int i = 0; i < 2 && v->by == &by_jobs; ++i)
         v->runs[i].ranks = ranks[i] > 0 ? ranks[i] : 1;
 }
 
@@ -118,11 +130,11 @@ static void choose_other(verification *v)
 {
     const verified_run *first = &v->runs[0];
     verified_run *other = &v->runs[1];
-    if (is_over_ranks(v) || other->selectors || inputs_plan_given(&other->plan) ||
+    if (v->by == &by_jobs || other->selectors || inputs_plan_given(&other->plan) ||
         v->args->other_replay)
         return;
     const duet_device_info *b = duet_device_pair_get_info(first->pair, 1);
-    if (verified_run_plan(first).share > 0) {
+    if (inputs_motion_plan(first->motion).share > 0) {
         other->plan.share = 0;
         return;
     }
@@ -139,11 +151,10 @@ static bool count_steps(verification *v, duet_error *err)
 {
     v->steps = v->args->steps;
     for (int i = 0; i < 2 && v->args->replay; ++i) {
-        uint64_t recorded = duet_replay_get_info(v->runs[i].replay).steps;
-        if (v->args->steps > recorded)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
-                             v->args->steps, v->runs[i].path, recorded);
+        const verified_run *r = &v->runs[i];
+        const uint64_t recorded = duet_replay_get_info(r->replay).steps;
+        if (!inputs_check_recorded(r->replay, r->path, v->args->steps, err))
+            return false;
         v->steps = v->steps == 0 || recorded < v->steps ? recorded : v->steps;
     }
     return true;
@@ -157,7 +168,7 @@ static bool open_runs(verification *v, duet_error *err)
                                 .plan = args->other_plan,
                                 .path = args->other_replay ? args->other_replay : args->replay};
     take_ranks(v);
-    if ((is_over_ranks(v) && !cluster_may_start(err)) ||
+    if ((v->by == &by_jobs && !cluster_may_start(err)) ||
         !verified_run_open(&v->runs[0], v->scene, err))
         return false;
     choose_other(v);
@@ -191,32 +202,9 @@ static bool compare_states(verification *v, const char *stage, uint64_t step, du
             difference_find_state(&v->first, v->runs, stage, err));
 }
 
-// Finds what differs in the states that jobs reached: something that has a stage, or else a byte of
-// their checkpoints.
-static bool find_in_checkpoints(verification *v, duet_error *err)
-{
-    difference *d = &v->first;
-    if (!verified_jobs_load(&v->jobs, v->runs, err) || !call_both(v, verified_run_sum, err) ||
-        !both_finite(v, err) || !difference_find(d, v->runs, err))
-        return false;
-    if (d->stage)
-        return true;
-    d->stage = "checkpoint";
-    d->body = DUET_NO_BODY;
-    snprintf(d->field, sizeof d->field, "byte %zu", v->jobs.unlike.at);
-    memcpy(d->values, v->jobs.unlike.bytes, sizeof d->values);
-    return true;
-}
+// ---------------------------------------------------------------- by this process
 
-static bool compare_step_of_jobs(verification *v, duet_error *err)
-{
-    bool differ = false;
-    v->first.step = v->done + 1;
-    return verified_jobs_go(&v->jobs, v->runs, v->done, v->first.step, &differ, err) &&
-           (!differ || find_in_checkpoints(v, err));
-}
-
-// Takes the next step, between whose stages it looks for what differs.
+// Looks between the stages, too.
 static bool compare_step(verification *v, duet_error *err)
 {
     const uint64_t step = v->done + 1;
@@ -254,23 +242,11 @@ static bool is_bad(const verified_run *r)
     return r->not_finite.status != DUET_STATUS_OK;
 }
 
-static bool go_by_jobs(verification *v, uint64_t step, bool *differ, duet_error *err)
-{
-    if (!interrupt_check(err) || !verified_jobs_go(&v->jobs, v->runs, v->kept, step, differ, err))
-        return false;
-    v->taken += step - v->kept;
-    v->done = step;
-    return true;
-}
-
-// Takes steps up to one, or less far where events differ, or a run parts from its recording.
-// *differ: something does, or is no longer finite.
-static bool go_to(verification *v, uint64_t step, bool *differ, duet_error *err)
+// Ends where events differ, or a run parts from its recording.
+static bool take_steps(verification *v, uint64_t step, bool *differ, duet_error *err)
 {
     bool ok = true;
     *differ = false;
-    if (is_over_ranks(v))
-        return go_by_jobs(v, step, differ, err);
     while (ok && !*differ && v->done < step && !is_unlike(v)) {
         ok = take_step(v, err);
         *differ = ok && difference_is_told(v->runs);
@@ -280,19 +256,77 @@ static bool go_to(verification *v, uint64_t step, bool *differ, duet_error *err)
     return ok;
 }
 
-static bool keep(verification *v, duet_error *err)
+static bool keep_motions(verification *v, duet_error *err)
 {
     v->kept = v->done;
-    if (is_over_ranks(v))
-        return v->kept == 0 || verified_jobs_keep(&v->jobs, err);
     return call_both(v, verified_run_keep, err);
 }
 
-static bool go_back(verification *v, duet_error *err)
+static bool return_motions(verification *v, duet_error *err)
 {
     v->done = v->kept;
-    return is_over_ranks(v) || call_both(v, verified_run_return, err);
+    return call_both(v, verified_run_return, err);
 }
+
+static const mover here = {take_steps, compare_step, keep_motions, return_motions};
+
+// ---------------------------------------------------------------- by jobs
+
+static bool run_jobs(verification *v, uint64_t step, bool *differ, duet_error *err)
+{
+    if (!interrupt_check(err) || !verified_jobs_go(&v->jobs, v->runs, v->kept, step, differ, err))
+        return false;
+    v->taken += step - v->kept;
+    v->done = step;
+    return true;
+}
+
+// Reads the states that the jobs reached into the motions.
+static bool read_checkpoints(verification *v, duet_error *err)
+{
+    return verified_jobs_load(&v->jobs, v->runs, err) && call_both(v, verified_run_sum, err) &&
+           both_finite(v, err);
+}
+
+// Finds something that has a stage, or else a byte of the checkpoints.
+static bool find_in_checkpoints(verification *v, duet_error *err)
+{
+    difference *d = &v->first;
+    if (!read_checkpoints(v, err) || !difference_find(d, v->runs, err))
+        return false;
+    if (d->stage)
+        return true;
+    d->stage = "checkpoint";
+    d->body = DUET_NO_BODY;
+    snprintf(d->field, sizeof d->field, "byte %zu", v->jobs.unlike.at);
+    memcpy(d->values, v->jobs.unlike.bytes, sizeof d->values);
+    return true;
+}
+
+static bool compare_checkpoints(verification *v, duet_error *err)
+{
+    bool differ = false;
+    v->first.step = v->done + 1;
+    return verified_jobs_go(&v->jobs, v->runs, v->done, v->first.step, &differ, err) &&
+           (!differ || find_in_checkpoints(v, err));
+}
+
+static bool keep_checkpoint(verification *v, duet_error *err)
+{
+    v->kept = v->done;
+    return v->kept == 0 || (read_checkpoints(v, err) && verified_jobs_keep(&v->jobs, err));
+}
+
+static bool return_to_checkpoint(verification *v, duet_error *err)
+{
+    (void)err; // jobs go on from the file
+    v->done = v->kept;
+    return true;
+}
+
+static const mover by_jobs = {run_jobs, compare_checkpoints, keep_checkpoint, return_to_checkpoint};
+
+// ---------------------------------------------------------------- both
 
 static void forget_unlike(verification *v)
 {
@@ -303,16 +337,16 @@ static void forget_unlike(verification *v)
 // The states differ at step `differs`, and did not where they were kept: halves the way.
 static bool find_first(verification *v, uint64_t differs, duet_error *err)
 {
-    bool ok = go_back(v, err);
+    bool ok = v->by->go_back(v, err);
     while (ok && differs - v->kept > 1) {
         bool differ = false;
         forget_unlike(v);
-        ok = go_to(v, v->kept + (differs - v->kept) / 2, &differ, err);
+        ok = v->by->go(v, v->kept + (differs - v->kept) / 2, &differ, err);
         if (differ)
             differs = v->done;
-        ok = ok && (differ ? go_back(v, err) : keep(v, err));
+        ok = ok && (differ ? v->by->go_back(v, err) : v->by->keep(v, err));
     }
-    ok = ok && (is_over_ranks(v) ? compare_step_of_jobs(v, err) : compare_step(v, err));
+    ok = ok && v->by->compare_step(v, err);
     ++v->taken;
     return ok && (v->first.stage ||
                   error_set(err, DUET_STATUS_WRONG_RESULT,
@@ -328,28 +362,26 @@ static bool is_over(const verification *v)
 
 static bool compare(verification *v, duet_error *err)
 {
-    bool ok = compare_states(v, "start", 0, err) && (v->first.stage || keep(v, err));
+    bool ok = compare_states(v, "start", 0, err) && (v->first.stage || v->by->keep(v, err));
     v->shown = progress_begin("step", v->steps);
     while (ok && !is_over(v)) {
         const uint64_t next = v->done + v->args->every;
         bool differ = false;
-        ok = go_to(v, next < v->steps ? next : v->steps, &differ, err);
+        ok = v->by->go(v, next < v->steps ? next : v->steps, &differ, err);
         if (ok && differ)
             ok = find_first(v, v->done, err);
-        else if (ok && !is_over(v))
-            ok = keep(v, err);
+        else if (ok)
+            ok = v->by->keep(v, err);
     }
     progress_end(&v->shown);
-    return ok && (!is_over_ranks(v) || v->first.stage ||
-                  (verified_jobs_load(&v->jobs, v->runs, err) &&
-                   call_both(v, verified_run_sum, err) && both_finite(v, err)));
+    return ok;
 }
 
 // ---------------------------------------------------------------- telling
 
 static void add_run(cJSON *row, const verified_run *r)
 {
-    const duet_plan plan = verified_run_plan(r);
+    const duet_plan plan = inputs_motion_plan(r->motion);
     if (r->ranks > 0) {
         json_add(row, NUMBER("ranks", (double)r->ranks));
         return;
@@ -396,8 +428,8 @@ static bool tell_equal(const verification *v, duet_error *err)
     uint32_t n = duet_motion_get_count(v->runs[0].motion);
     if (ok && !v->args->json)
         printf("equal: %s, %s, state hash %016" PRIx64 ": %s\n",
-               table_things(v->done, "step", "steps").chars,
-               table_things(n, "body", "bodies").chars, v->runs[0].hash, runs.chars);
+               say_things(v->done, "step", "steps").chars, say_things(n, "body", "bodies").chars,
+               v->runs[0].hash, runs.chars);
     text_free(&runs);
     return ok;
 }
@@ -431,7 +463,7 @@ static bool run(void *given, char **operands, duet_error *err)
     duet_scene *scene = inputs_load_scene(operands[0], &args->scene, err);
     v.scene = scene;
     bool ok = scene && open_runs(&v, err) &&
-              (!is_over_ranks(&v) || verified_jobs_open(&v.jobs, operands[0], &args->scene, err)) &&
+              (v.by == &here || verified_jobs_open(&v.jobs, operands[0], &args->scene, err)) &&
               compare(&v, err) && tell(&v, err);
     args->status = v.jobs.status;
     verified_jobs_close(&v.jobs);

@@ -2,7 +2,7 @@
 // Cells behind, boxes from far to near, pairs in front, and where boxes are left out
 // the whole scene small in a corner.
 #include "cli/draw/sketch.h"
-#include "cli/report/table.h"
+#include "cli/say.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -108,9 +108,9 @@ static void write_words(const sketch *s, canvas *c, double left, double height)
     char words[512];
     const duet_scene_info *info = s->info;
     snprintf(words, sizeof words, "%s: %s in %uD, %s (%s)", info->name,
-             table_things(info->n, "box", "boxes").chars, info->dims,
-             table_things(s->n_pairs, "pair collides", "pairs collide").chars,
-             table_things(s->n_colliding, "box", "boxes").chars);
+             say_things(info->n, "box", "boxes").chars, info->dims,
+             say_things(s->n_pairs, "pair collides", "pairs collide").chars,
+             say_things(s->n_colliding, "box", "boxes").chars);
     canvas_words(c, (point){left, height - 62}, words_px, canvas_ink, words);
     write_cells(s, words, sizeof words);
     canvas_words(c, (point){left, height - 40}, words_px, canvas_grey, words);
@@ -121,7 +121,7 @@ static void write_words(const sketch *s, canvas *c, double left, double height)
     if (s->n == info->n)
         return;
     snprintf(words, sizeof words, "a sample: the %s nearest to a collision",
-             table_things(s->n, "box", "boxes").chars);
+             say_things(s->n, "box", "boxes").chars);
     canvas_words(c, at, words_px, canvas_ink, words);
 }
 

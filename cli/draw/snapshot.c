@@ -7,7 +7,7 @@
 #include "cli/body_states.h"
 #include "cli/draw/relief.h"
 #include "cli/draw/view.h"
-#include "cli/report/table.h"
+#include "cli/say.h"
 #include "runtime/scene/scene.h"
 
 #include <math.h>
@@ -298,7 +298,7 @@ static void write_caption(const snapshot *s, const view *v, canvas *c, const bod
     char words[256];
     snprintf(words, sizeof words, "%.80s: %s in %uD after %.3f s",
              duet_scene_get_info(s->scene)->name,
-             table_things(body_states_count(bodies), "box", "boxes").chars, v->dims, time);
+             say_things(body_states_count(bodies), "box", "boxes").chars, v->dims, time);
     canvas_words(c, (point){left, HEIGHT - 44}, words_px, canvas_ink, words);
     snprintf(words, sizeof words, "colour: how %s a box began%s",
              s->def->attraction == 0.0 ? "high" : "far from the centre",

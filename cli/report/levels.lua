@@ -14,13 +14,12 @@ local function tell_row(add, row, slowest)
     distance(row["false"], row.widest_false), ("%.2g %%"):format(100 * row.undecided_share))
 end
 
--- "A alone: pocl:0[0], its name", without the letter if the device is the only one.
 local function tell_device(o, letter)
-  local rows, name = {}, letter:lower()
+  local rows = {}
   for _, row in ipairs(o.levels) do
     if row.device == letter then rows[#rows + 1] = row end
   end
-  line("\n%s%s, %s", o.a == o.b and "" or letter .. " alone: ", report.cut(o[name], 60), report.cut(o[name .. "_name"], 120))
+  line("\n%s", report.device_alone(o, letter))
   local add = report.columns("llrrlrrrrr", " ", "level", "ms a step", "/ sat15", " ", "missed", "false", "deepest",
     "widest", "undecided")
   for _, row in ipairs(rows) do tell_row(add, row, report.greatest(rows, step_ms)) end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/motion_report.h"
 
+#include "cli/inputs.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "cli/report/run_report.h"
@@ -49,20 +50,6 @@ void motion_report_add(motion_report *r, const duet_motion_result *step)
 
 // ---------------------------------------------------------------- what is told
 
-static const duet_device_pair *pair_of(const motion_report *r)
-{
-    return duet_motion_get_def(r->motion)->pair;
-}
-
-// B does all if no pairs are sought.
-static duet_plan plan_used(const motion_report *r)
-{
-    const duet_plan *of_pairs = duet_motion_get_plan(r->motion);
-    duet_plan plan = of_pairs ? *of_pairs : duet_default_plan(pair_of(r));
-    plan.share = of_pairs ? plan.share : 0;
-    return plan;
-}
-
 static void add_effects(cJSON *o, const motion_report *r)
 {
     cJSON *effects = cJSON_AddArrayToObject(o, "effects");
@@ -75,9 +62,9 @@ static void add_effects(cJSON *o, const motion_report *r)
 static cJSON *describe(const motion_report *r, uint64_t n)
 {
     cJSON *o = cJSON_CreateObject();
-    duet_plan plan = plan_used(r);
+    const duet_plan plan = inputs_motion_plan(r->motion);
     json_add(o, STRING("scene", r->scene->name), NUMBER("objects", n));
-    run_report_add_plan(o, pair_of(r), &plan);
+    run_report_add_plan(o, duet_motion_get_def(r->motion)->pair, &plan);
     json_add(o, STRING("profile", r->plan_given ? "given" : duet_grade_name(r->profile.grade)));
     add_effects(o, r);
     return o;

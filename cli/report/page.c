@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cli/report/page.h"
 
-#include "base/text.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
 #include "profiles/profile_view.h"
@@ -15,16 +14,14 @@ static const char *const parts[] = {"cli/report/read.lua",       "cli/report/pag
                                     "cli/report/page_store.lua", "cli/report/page_bench.lua",
                                     "cli/report/page.lua",       NULL};
 
-cJSON *page_begin(void)
+cJSON *page_begin(cJSON **files)
 {
     char when[40];
     time_t now = time(NULL);
     strftime(when, sizeof when, "%Y-%m-%d %H:%M UTC", gmtime(&now));
     cJSON *o = cJSON_CreateObject();
     json_add(o, STRING("made", when), STRING("duet", duet_version()));
-    cJSON_AddArrayToObject(o, "levels");
-    cJSON_AddArrayToObject(o, "effects");
-    cJSON_AddArrayToObject(o, "bench");
+    *files = cJSON_AddArrayToObject(o, "files");
     return o;
 }
 
@@ -45,7 +42,7 @@ bool page_add_store(cJSON *shown, store *s, duet_error *err)
     return ok;
 }
 
-bool page_make(text *page, const cJSON *shown, duet_error *err)
+bool page_write(const char *path, const cJSON *shown, duet_error *err)
 {
-    return rendering_make(page, parts, shown, err);
+    return rendering_write(path, parts, shown, err);
 }

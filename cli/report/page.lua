@@ -5,7 +5,7 @@
 --   duet, made    the version that made the page, and when
 --   store         path and profiles, each as `duet profiles show --json` has it; or nil
 --   no_store      where there is none: a sentence that says so
---   levels, effects, bench   lists of results; of bench the earliest comes first
+--   files         results of bench, accuracy and explain, the earliest first
 --
 -- Results are untrusted: what is not the number or the name that it should be
 -- counts as 0 and "", and every text passes through `words`.
@@ -235,7 +235,36 @@ end
 
 -- ---------------------------------------------------------------- all of it
 
+local function is_same_subject(a, b)
+  for _, name in ipairs { "scene", "a", "b" } do
+    if text(a, name) ~= text(b, name) then return false end
+  end
+  return number(a, "objects") == number(b, "objects")
+end
+
+-- In the place of an earlier one of the same subject.
+local function keep_latest(results, one)
+  local place = 1
+  while results[place] and not is_same_subject(results[place], one) do place = place + 1 end
+  results[place] = one
+end
+
+-- The files' results by their kind: levels and effects of a subject once.
+local function sort_results(data)
+  data.levels, data.effects, data.bench = {}, {}, {}
+  for _, o in ipairs(data.files) do
+    local kind = text(o, "type")
+    local is_bench = kind == "duet bench"
+    if is_bench then data.bench[#data.bench + 1] = o end
+    if kind == "duet accuracy" then keep_latest(data.levels, o) end
+    if kind == "duet explain" then keep_latest(data.effects, o) end
+    for _, one in ipairs(is_bench and list(o, "accuracy") or {}) do keep_latest(data.levels, one) end
+    for _, one in ipairs(is_bench and list(o, "effects") or {}) do keep_latest(data.effects, one) end
+  end
+end
+
 return function(data)
+  sort_results(data)
   local title <const> = "Duet: what was measured"
   add('<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n')
   add('<meta name="viewport" content="width=device-width,initial-scale=1">\n')

@@ -9,7 +9,7 @@ local key, figure, label, figure_end = report.key, report.figure, report.label, 
 local draw_chart, draw_parts = report.draw_chart, report.draw_parts
 
 -- The cases that were measured, by scene in the order of their first.
-local function scenes_of(result)
+function report.scenes_of(result)
   local scenes, by_name = {}, {}
   for _, one in ipairs(list(result, "cases")) do
     if text(one, "failed") == "" then
@@ -119,7 +119,7 @@ local function draw_history(results, first)
   local points = {}
   for i, result in ipairs(results) do
     local best
-    local _, by_name = scenes_of(result)
+    local _, by_name = report.scenes_of(result)
     for _, one in ipairs(by_name[text(first, "scene")] or {}) do
       local alike = number(one, "objects") == number(first, "objects")
       if alike and (not best or number(one, "median_ms") < number(best, "median_ms")) then best = one end
@@ -134,13 +134,13 @@ local function draw_history(results, first)
     series = { { name = "best plan", colour = "step", points = points } } }
 end
 
-local function is_bench_of_one(result)
+function report.is_bench_of_one(result)
   local devices = list(result, "devices")
   return is_one_device(devices[1], devices[2])
 end
 
 local function add_subject(result)
-  local alone = is_bench_of_one(result)
+  local alone = report.is_bench_of_one(result)
   paragraph("Measured %s by Duet %s.", moment(result), text(result, "duet"))
   for i, device in ipairs(list(result, "devices")) do
     if alone and i > 1 then break end
@@ -149,11 +149,11 @@ local function add_subject(result)
   end
 end
 
-local function add_bench(results)
+function report.add_bench(results)
   local latest = results[#results]
-  local scenes = scenes_of(latest)
+  local scenes = report.scenes_of(latest)
   local names, places = find_stages(latest)
-  local alone = is_bench_of_one(latest)
+  local alone = report.is_bench_of_one(latest)
   if not alone then
     section("Standard set: shares", function()
       add_subject(latest)
@@ -180,7 +180,4 @@ local function add_bench(results)
   end
 end
 
-report.scenes_of = scenes_of
-report.is_bench_of_one = is_bench_of_one
-report.add_bench = add_bench
 return report

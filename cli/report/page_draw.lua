@@ -14,16 +14,16 @@ local function words(s)
   return table.concat(letters)
 end
 
-local function paragraph(format, ...) add("<p>%s</p>\n", words(format:format(...))) end
+function report.paragraph(format, ...) add("<p>%s</p>\n", words(format:format(...))) end
 
-local function section(heading, body)
+function report.section(heading, body)
   add("<section><h2>%s</h2>\n", heading)
   body()
   add("</section>\n")
 end
 
 -- Charts that lie side by side where there is space.
-local function charts(body)
+function report.charts(body)
   add('<div class="charts">\n')
   body()
   add("</div>\n")
@@ -31,7 +31,7 @@ end
 
 -- A table whose rows become lists, each cell after its head, where the page is narrow.
 -- align has a letter a column, l or r; the first row is the heads.
-local function rows_begin(align, heads)
+function report.rows_begin(align, heads)
   local row = function(tag, cells)
     add("<tr>")
     for i, cell in ipairs(cells) do
@@ -46,7 +46,7 @@ local function rows_begin(align, heads)
   return function(cells) row("td", cells) end
 end
 
-local function rows_end() add("</table>\n") end
+function report.rows_end() add("</table>\n") end
 
 local function key(colour, name)
   return ('<span class="key"><i style="background:var(--%s)"></i>%s</span>'):format(colour, words(name))
@@ -149,7 +149,7 @@ end
 -- Points over x: title, x_label, y_label; series: a list of name, colour (of the page),
 -- points with x, y and what they say; loose: no line through them. counted: x counts
 -- things, with no ticks between whole numbers; mark: a dashed line up from this x.
-local function draw_chart(c)
+function report.draw_chart(c)
   local x, y = find_scales(c)
   local keys = {}
   for _, s in ipairs(c.series) do
@@ -176,7 +176,7 @@ local function part_of(value, most) return most > 0 and value > 0 and math.min(v
 local function cut_mark(value, most) return value > most and "… " or "" end
 
 -- A bar at y that is cut into parts, each with name, value and colour.
-local function draw_parts(y, name, parts, all, most)
+function report.draw_parts(y, name, parts, all, most)
   local tall <const> = 8
   local x, shown = 16, 0
   label(2, y + tall, name)
@@ -193,7 +193,7 @@ end
 
 -- Rows: a name, and beside it a bar with words behind it in each of two columns. A row
 -- has name, says and two cells of part (of the longest bar, 0 to 1), colour, pale, words.
-local function draw_rows(title, heads, rows)
+function report.draw_rows(title, heads, rows)
   local names <const>, behind <const>, tall <const>, bar <const> = 106, 110, 22, 12 -- pixels on a phone
   local column = (width - names) / 2
   local y = 4
@@ -221,18 +221,10 @@ function report.finish() return table.concat(page) end
 
 report.add = add
 report.words = words
-report.paragraph = paragraph
-report.section = section
-report.charts = charts
-report.rows_begin = rows_begin
-report.rows_end = rows_end
 report.key = key
 report.figure = figure
 report.figure_end = figure_end
 report.label = label
-report.draw_chart = draw_chart
 report.part_of = part_of
 report.cut_mark = cut_mark
-report.draw_parts = draw_parts
-report.draw_rows = draw_rows
 return report

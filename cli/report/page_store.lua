@@ -18,7 +18,7 @@ local function pair_words(p)
 end
 
 -- "A alone" or "B alone"; nil if both work.
-local function alone(p) return p.share == 0 and "B alone" or p.share == 1 and "A alone" or nil end
+function report.alone(p) return p.share == 0 and "B alone" or p.share == 1 and "A alone" or nil end
 
 -- Part of the launches that waited for a core.
 local function waited(p) return p.watched > 0 and ("%.0f"):format(100 * p.disturbed / p.watched) or "-" end
@@ -30,9 +30,9 @@ local function profile_row(row, p)
     return
   end
   local gain = ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high)
-  row { p.scene ~= "" and p.scene or "-", count(p.objects), alone(p) or ("%.1f %%"):format(100 * p.share), p.mode,
-    p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
-    alone(p) and "-" or gain, alone(p) and "-" or p.verdict, waited(p), p.created }
+  row { p.scene ~= "" and p.scene or "-", count(p.objects), report.alone(p) or ("%.1f %%"):format(100 * p.share),
+    p.mode, p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
+    report.alone(p) and "-" or gain, report.alone(p) and "-" or p.verdict, waited(p), p.created }
 end
 
 -- A table for each device pair.
@@ -124,13 +124,6 @@ local function draw_energy(p)
   } }
 end
 
-local function has_energy(profiles)
-  for _, p in ipairs(profiles) do
-    if p.live and p.pareto then return true end
-  end
-  return false
-end
-
 local function add_energy(profiles)
   paragraph("The plans that no other plan beats in both time and energy.")
   charts(function()
@@ -140,16 +133,9 @@ local function add_energy(profiles)
   end)
 end
 
-local function has_shares(profiles)
+local function any(profiles, holds)
   for _, p in ipairs(profiles) do
-    if p.live and not is_of_one(p) then return true end
-  end
-  return false
-end
-
-local function has_levels(profiles)
-  for _, p in ipairs(profiles) do
-    if p.level ~= profiles[1].level then return true end
+    if holds(p) then return true end
   end
   return false
 end
@@ -197,19 +183,20 @@ local function add_replaced(profiles)
   end)
 end
 
-local function add_store(store)
+function report.add_store(store)
   local profiles = store.profiles
   if #profiles == 0 then
     paragraph("%s: no profiles yet; duet tune makes them.", store.path)
     return
   end
   section("Profiles", function() add_profiles(profiles) end)
-  if has_shares(profiles) then section("Searches", function() add_searches(profiles) end) end
-  if has_energy(profiles) then section("Time and energy", function() add_energy(profiles) end) end
-  if has_levels(profiles) then section("Levels of the profiles", function() add_accuracy(profiles) end) end
+  local function add_if(heading, add_it, holds)
+    if any(profiles, holds) then section(heading, function() add_it(profiles) end) end
+  end
+  add_if("Searches", add_searches, function(p) return p.live and not is_of_one(p) end)
+  add_if("Time and energy", add_energy, function(p) return p.live and p.pareto end)
+  add_if("Levels of the profiles", add_accuracy, function(p) return p.level ~= profiles[1].level end)
   add_replaced(profiles)
 end
 
-report.alone = alone
-report.add_store = add_store
 return report

@@ -3,13 +3,17 @@
 
 #include "base/blob.h"
 #include "base/budget.h"
-#include "cli/report/table.h"
+#include "base/text.h"
+#include "base/text_file.h"
+#include "cli/draw/canvas.h"
 #include "cli/say.h"
 #include "gen/sandbox.h"
 
 #include <langinfo.h>
 #include <lauxlib.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 // The argument of a C function that pushes an object; its text outlives what Lua raises.
 typedef struct pushing {
@@ -55,6 +59,11 @@ static int push_shown(lua_State *L)
     pushing *p = lua_touserdata(L, 1);
     lua_pushboolean(L, strcmp(nl_langinfo(CODESET), "UTF-8") == 0);
     lua_setglobal(L, "in_utf8");
+    if (say_terminal_width(STDOUT_FILENO) > 0)
+        lua_pushinteger(L, say_terminal_width(STDOUT_FILENO));
+    else
+        lua_pushnil(L);
+    lua_setglobal(L, "terminal_width");
     push(L, p, p->shown);
     return 1;
 }
@@ -99,49 +108,100 @@ static script *call_parts(const char *const *parts, const cJSON *shown, const ch
     return NULL;
 }
 
-bool rendering_make(text *out, const char *const *parts, const cJSON *shown, duet_error *err)
+bool rendering_write(const char *path, const char *const *parts, const cJSON *shown,
+                     duet_error *err)
 {
     size_t n = 0;
     script *s = call_parts(parts, shown, "\n\t", err);
     if (!s)
         return false;
     const char *chars = lua_tolstring(script_lua(s), -1, &n);
-    text_add_bytes(out, chars, n);
+    bool ok = text_write_file(path, chars, n, err);
     script_close(s);
-    return text_ok(out, err);
+    return ok;
 }
 
-// The list at the stack's top: the alignment of columns, then cells.
-static void print_table(lua_State *L)
+// ---------------------------------------------------------------- plots
+
+// A number of the table on top of the stack.
+static double number_of(lua_State *L, const char *name)
 {
-    lua_rawgeti(L, -1, 1);
-    table t = table_begin(lua_tostring(L, -1));
-    lua_Integer n = (lua_Integer)lua_rawlen(L, -2);
-    for (lua_Integer i = 2; i <= n; ++i) {
-        lua_rawgeti(L, -2, i);
-        table_words(&t, lua_tostring(L, -1), NULL);
+    lua_getfield(L, -1, name);
+    const double number = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+    return number;
+}
+
+static colour colour_of(lua_State *L)
+{
+    double parts[3];
+    lua_getfield(L, -1, "colour");
+    for (int i = 0; i < 3; ++i) {
+        lua_rawgeti(L, -1, i + 1);
+        parts[i] = lua_tonumber(L, -1);
         lua_pop(L, 1);
     }
-    table_print(&t, stdout);
     lua_pop(L, 1);
+    return (colour){parts[0], parts[1], parts[2], 1};
 }
 
-bool rendering_print(const char *name, const cJSON *shown, duet_error *err)
+static void draw_box(canvas *c, point at, point far, colour fill)
 {
-    const char *const parts[] = {"cli/report/read.lua", "cli/report/words.lua", name, NULL};
+    const point corners[] = {at, {far.x, at.y}, far, {at.x, far.y}};
+    canvas_polygon(c, corners, 4, fill, fill);
+}
+
+// The shape on top of the stack (cli/report/shapes.lua).
+static void draw_shape(lua_State *L, canvas *c)
+{
+    const point at = {number_of(L, "x"), number_of(L, "y")};
+    const double width = number_of(L, "width");
+    const colour ink = colour_of(L);
+    lua_getfield(L, -1, "words");
+    lua_getfield(L, -2, "kind");
+    const char *kind = lua_tostring(L, -1), *words = lua_tostring(L, -2);
+    lua_pop(L, 2);
+    if (strcmp(kind, "line") == 0)
+        canvas_line(c, at, (point){number_of(L, "to_x"), number_of(L, "to_y")}, ink, width);
+    else if (strcmp(kind, "box") == 0)
+        draw_box(c, at, (point){at.x + width, at.y + number_of(L, "height")}, ink);
+    else if (strcmp(kind, "dot") == 0)
+        canvas_dot(c, at, number_of(L, "radius"), ink);
+    else
+        canvas_words(c, at, number_of(L, "size"), ink, words);
+}
+
+bool rendering_draw(const char *path, const char *name, const cJSON *shown, duet_error *err)
+{
+    const char *const parts[] = {"cli/report/read.lua", "cli/report/words.lua",
+                                 "cli/report/shapes.lua", name, NULL};
     script *s = call_parts(parts, shown, "", err);
     if (!s)
         return false;
     lua_State *L = script_lua(s);
-    lua_Integer n = (lua_Integer)lua_rawlen(L, -1);
-    for (lua_Integer i = 1; i <= n; ++i) {
+    const lua_Integer n = (lua_Integer)lua_rawlen(L, -1);
+    canvas *c = canvas_open(path, number_of(L, "width"), number_of(L, "height"), err);
+    for (lua_Integer i = 1; c && i <= n; ++i) {
         lua_rawgeti(L, -1, i);
-        if (lua_type(L, -1) == LUA_TSTRING)
-            puts(lua_tostring(L, -1));
-        else
-            print_table(L);
+        draw_shape(L, c);
         lua_pop(L, 1);
     }
+    script_close(s);
+    return canvas_close(c, true, err);
+}
+
+// ---------------------------------------------------------------- reports
+
+bool rendering_print(const char *name, const cJSON *shown, duet_error *err)
+{
+    const char *const parts[] = {"cli/report/read.lua", "cli/report/words.lua", name,
+                                 "cli/report/layout.lua", NULL};
+    size_t n = 0;
+    script *s = call_parts(parts, shown, "", err);
+    if (!s)
+        return false;
+    const char *chars = lua_tolstring(script_lua(s), -1, &n);
+    fwrite(chars, 1, n, stdout);
     script_close(s);
     return true;
 }

@@ -83,23 +83,27 @@ void run_report_add_check(cJSON *o, const reference_check *check)
 static void add_source(cJSON *o, const run_report *r)
 {
     const duet_profile *p = &r->profile;
-    json_add(o, FLAG("plan_given", r->plan_given), FLAG("accuracy_given", r->accuracy_given),
-             STRING("tuning", r->tuning), NUMBER("asked_cell", r->scene->cell),
-             NUMBER("first_bad", r->timed->last.first_bad),
+    duet_accuracy accuracy;
+    json_add(o, FLAG("plan_given", inputs_plan_given(&r->args->plan)),
+             FLAG("accuracy_given", inputs_accuracy_given(&r->args->level, &accuracy)),
+             STRING("tuning", text_chars(&r->tuning)), NUMBER("asked_cell", r->scene->cell),
+             NUMBER("first_bad", r->timed.last.first_bad),
              INTERVAL("gain", p->gain, p->gain_low, p->gain_high), STRING("verdict", p->verdict));
 }
 
-bool run_report_tell(const run_report *r, bool json, duet_error *err)
+bool run_report_tell(const run_report *r, duet_error *err)
 {
+    const duet_plan *plan = duet_world_get_plan(r->world);
+    const bool is_given = inputs_plan_given(&r->args->plan), json = r->args->json;
     cJSON *o = cJSON_CreateObject();
-    add_counts(o, r->scene, r->timed);
-    add_variants(o, r->plan);
+    add_counts(o, r->scene, &r->timed);
+    add_variants(o, plan);
     json_add_pair(o, "pair", r->pair);
-    run_report_add_plan(o, r->pair, r->plan);
-    json_add(o, STRING("level", r->level),
-             STRING("profile", r->plan_given ? "given" : duet_grade_name(r->profile.grade)),
-             STRING("input", timed_input_name(r->input)), FLAG("ordered", r->ordered));
-    add_times(o, r->timed);
+    run_report_add_plan(o, r->pair, plan);
+    json_add(o, STRING("level", duet_level_get_info(duet_world_get_level(r->world))->name),
+             STRING("profile", is_given ? "given" : duet_grade_name(r->profile.grade)),
+             STRING("input", timed_input_name(r->input)), FLAG("ordered", r->args->ordered));
+    add_times(o, &r->timed);
     if (r->check.asked)
         run_report_add_check(o, &r->check);
     if (!json)

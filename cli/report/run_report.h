@@ -3,6 +3,7 @@
 #ifndef CLI_RUN_REPORT_H
 #define CLI_RUN_REPORT_H
 
+#include "cli/commands/run.h"
 #include "cli/timed.h"
 
 // How the pairs compare with the reference's.
@@ -16,17 +17,14 @@ typedef struct reference_check {
 bool reference_check_is_right(const reference_check *check);
 
 typedef struct run_report {
+    const arguments *args;
     const duet_scene_info *scene;
     const duet_device_pair *pair;
-    const duet_plan *plan;
-    const char *level;    // the level of accuracy
-    bool plan_given;      // on the command line
-    bool accuracy_given;  // there, too: a profile may have chosen a level by it
+    duet_world *world;
     duet_profile profile; // the source of the plan, unless it was given
-    const char *tuning;   // the command that measures a plan for this scene
-    const timed *timed;
+    text tuning;          // the command that measures a plan for this scene
+    timed timed;
     timed_input input;
-    bool ordered; // objects were put into the order of their cells
     reference_check check;
 } run_report;
 
@@ -37,6 +35,6 @@ void run_report_add_scene(struct cJSON *o, const duet_scene_info *info, uint64_t
 void run_report_add_plan(struct cJSON *o, const duet_device_pair *pair, const duet_plan *plan);
 void run_report_add_check(struct cJSON *o, const reference_check *check);
 
-bool run_report_tell(const run_report *r, bool json, duet_error *err);
+bool run_report_tell(const run_report *r, duet_error *err);
 
 #endif

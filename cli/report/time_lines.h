@@ -3,18 +3,11 @@
 #ifndef CLI_TIME_LINES_H
 #define CLI_TIME_LINES_H
 
-#include "runtime/duet.h"
+#include "cli/timed.h"
 
-typedef struct time_lines {
-    const char *title;
-    const duet_device_pair *pair;
-    const duet_plan *plan;
-    double total_ms;
-    const duet_stage *stages;
-    uint32_t n_stages;
-} time_lines;
-
-// Writes the picture as SVG (lua/timeline.lua); "-" is stdout.
-bool time_lines_write(const time_lines *shown, const char *path, duet_error *err);
+// Writes the picture of a step by that plan as SVG (lua/timeline.lua); "-" is stdout, and NULL
+// writes nothing.
+bool time_lines_write(const char *path, const char *title, const duet_device_pair *pair,
+                      const duet_plan *plan, const timed_step *step, duet_error *err);
 
 #endif

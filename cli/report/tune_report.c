@@ -5,7 +5,6 @@
 #include "cli/command_text.h"
 #include "cli/interrupt.h"
 #include "cli/report/rendering.h"
-#include "cli/report/table.h"
 #include "cli/say.h"
 #include "runtime/task/task.h"
 #include "tuner/terms.h"
@@ -33,23 +32,14 @@ void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n
     r->budget_seconds = budget_seconds;
 }
 
-void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def)
+void tune_report_workload(tune_report *r, const duet_tune_def *def)
 {
-    r->task = NULL;
-    r->query = def->query;
-    r->items = def->items ? def->items : scene->n;
-    r->steps = def->steps;
-    snprintf(r->name, sizeof r->name, "%.30s, %s", scene->name, table_count(scene->n).chars);
-    ++r->number;
-}
-
-void tune_report_task(tune_report *r, const task *t)
-{
-    r->task = t->kernel;
-    r->query = NULL;
-    r->steps = 0;
-    r->items = t->items;
-    snprintf(r->name, sizeof r->name, "%.30s, %s", t->name, table_count(t->size).chars);
+    const task *t = def->task;
+    const duet_scene_info *scene = t ? NULL : duet_scene_get_info(def->scene);
+    r->def = def;
+    r->items = t ? t->items : def->items ? def->items : scene->n;
+    snprintf(r->name, sizeof r->name, "%.30s, %s", t ? t->name : scene->name,
+             say_count(t ? t->size : scene->n).chars);
     ++r->number;
 }
 
@@ -178,19 +168,20 @@ static void add_use(cJSON *row, const tune_report *r, const duet_tune_outcome *o
 
 void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
 {
+    const duet_tune_def *def = r->def;
     cJSON *row = json_add_row(r->workloads);
     json_add(row, STRING("workload", r->name), NUMBER("objects", o->objects));
-    if (r->query || r->task) {
-        json_add(row, STRING(r->task ? "task" : "query", r->task ? r->task : r->query),
-                 NUMBER("items", r->items));
-    }
-    if (r->steps)
-        json_add(row, NUMBER("steps", r->steps));
+    if (def->task)
+        json_add(row, STRING("task", def->task->kernel), NUMBER("items", r->items));
+    if (def->query)
+        json_add(row, STRING("query", def->query), NUMBER("items", r->items));
+    if (def->steps)
+        json_add(row, NUMBER("steps", def->steps));
     json_add(row, STRING("level", duet_level_get_info(o->level)->name));
     json_add_rates(row, (double)o->true_pairs, o->accuracy.missed, o->accuracy.false_rate);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
-    add_command(row, o, r->one, r->task, command);
+    add_command(row, o, r->one, def->task, command);
     json_add(row, FLAG("one_device", r->one),
              NUMBER("best_share", o->best.share / (double)DUET_SHARE_ONE),
              INTERVAL("gain", o->gain, o->gain_low, o->gain_high), STRING("verdict", o->verdict),

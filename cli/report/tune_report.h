@@ -11,11 +11,9 @@
 typedef struct tune_report {
     cJSON *workloads; // one object each
     char name[168];   // the measured workload's
-    const char *query;
-    const char *task; // its kernel; NULL: a scene is tuned
-    uint64_t items;
-    uint32_t steps;  // a motion's; 0: none
-    uint32_t number; // the workload's, from 1
+    const duet_tune_def *def;
+    uint64_t items;  // its query has, or its task
+    uint32_t number; // from 1
     uint32_t n_workloads;
     char whole[80]; // the device that A and B may be parts of
     bool one;       // A and B are the same device
@@ -33,10 +31,8 @@ tune_report tune_report_begin(bool json, const char *store_path);
 void tune_report_expect(tune_report *r, const duet_device_pair *pair, uint32_t n_workloads,
                         double budget_seconds);
 
-// The workload that is measured next.
-void tune_report_workload(tune_report *r, const duet_scene_info *scene, const duet_tune_def *def);
-
-void tune_report_task(tune_report *r, const duet_task_file *task);
+// The workload that is measured next; the def is borrowed until the next one.
+void tune_report_workload(tune_report *r, const duet_tune_def *def);
 
 // A duet_tune_watch; stops after Ctrl-C.
 bool tune_report_watch(void *report, const duet_tune_progress *p);

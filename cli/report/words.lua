@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
 -- Words of reports for people. A script adds lines and tables and returns `report.told`, which
--- rendering.c prints: a string is a line; a list is a table, first a letter for each column, l or r, then cells.
+-- layout.lua lays out: a string is a line; a list is a table, first a letter for each column, l or r, then cells.
 local report = ...
 local text, number, count = report.text, report.number, report.count
 local told = {}
@@ -172,6 +172,13 @@ function report.tell_devices(o)
 end
 
 function report.is_alone(o) return o.share == 0 and o.a == o.b end
+
+-- "A alone: pocl:0[0], its name", without the letter if the device is the only one.
+function report.device_alone(o, letter)
+  local name = letter:lower()
+  return ("%s%s, %s"):format(o.a == o.b and "" or letter .. " alone: ", report.cut(o[name], 60),
+    report.cut(o[name .. "_name"], 120))
+end
 
 -- If both devices have a share.
 function report.tell_grids(o)

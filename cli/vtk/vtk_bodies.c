@@ -41,12 +41,12 @@ static uint64_t words_of(const solid *s)
     return s->n_faces > 0 ? 1 + s->n_words : 0;
 }
 
-static row row_of(const body_states *b, const uint8_t *asleep, uint32_t place)
+static row row_of(const body_states *b, uint32_t place)
 {
     const duet_state *state = &b->states[place];
     const duet_rounded_box *box = &b->boxes[place];
     row r = {.place = place,
-             .asleep = asleep[place],
+             .asleep = b->asleep[place],
              .id = (int64_t)b->ids[place],
              .radius = box->radius};
     for (int k = 0; k < 3; ++k) {
@@ -59,7 +59,7 @@ static row row_of(const body_states *b, const uint8_t *asleep, uint32_t place)
     return r;
 }
 
-static bool make_rows(grid *g, const uint8_t *asleep, duet_error *err)
+static bool make_rows(grid *g, duet_error *err)
 {
     g->rows = calloc((size_t)g->bodies->n + 1, sizeof *g->rows);
     if (!g->rows)
@@ -68,7 +68,7 @@ static bool make_rows(grid *g, const uint8_t *asleep, duet_error *err)
     for (uint32_t place = 0; place < g->bodies->n; ++place) {
         if (!body_states_has(g->bodies, place))
             continue;
-        g->rows[g->n] = row_of(g->bodies, asleep, place);
+        g->rows[g->n] = row_of(g->bodies, place);
         const solid *s = solid_of(g, g->n++);
         g->n_points += s->n_points;
         g->n_words += words_of(s);
@@ -88,14 +88,6 @@ static void write_points(FILE *to, const void *of)
         solid_place(s, &g->bodies->boxes[place], &g->bodies->states[place], at);
         fwrite(at, sizeof *at, s->n_points, to);
     }
-}
-
-// Bodies share no points, so that a cell's follow those of the one before it.
-static void write_connectivity(FILE *to, const void *of)
-{
-    const grid *g = of;
-    for (uint64_t i = 0; i < g->n_points; ++i)
-        vtk_write_int64(to, (int64_t)i);
 }
 
 static void write_offsets(FILE *to, const void *of)
@@ -150,18 +142,19 @@ static void write_face_offsets(FILE *to, const void *of)
 
 // ---------------------------------------------------------------- the file
 
-#define DATA(member, type, components, labels)                                                  \
-    {                                                                                           \
-        "CellData", #member, type, components, labels, g->n, &g->rows->member, sizeof *g->rows, \
-            NULL                                                                                \
+#define DATA(member, type, components, labels)                                 \
+    {                                                                          \
+        "CellData", #member, type, components, labels, g->n, &g->rows->member, \
+            .stride = sizeof *g->rows                                          \
     }
-#define MADE(section, name, type, components, n, write)          \
+#define MADE(section, name, type, components, count, by)         \
     {                                                            \
-        section, name, type, components, NULL, n, NULL, 0, write \
+        section, name, type, components, .n = count, .write = by \
     }
 
 enum { ARRAYS = 13 };
 
+// Bodies share no points, so that a cell's follow those of the one before it.
 static void list_arrays(const grid *g, vtk_array arrays[ARRAYS])
 {
     const vtk_array all[ARRAYS] = {
@@ -173,7 +166,7 @@ static void list_arrays(const grid *g, vtk_array arrays[ARRAYS])
         DATA(radius, VTK_FLOAT32, 1, NULL),
         DATA(orientation, VTK_FLOAT32, 4, "w x y z"),
         MADE("Points", "points", VTK_FLOAT64, 3, g->n_points, write_points),
-        MADE("Cells", "connectivity", VTK_INT64, 1, g->n_points, write_connectivity),
+        {"Cells", "connectivity", VTK_INT64, 1, .n = g->n_points, .step = 1},
         MADE("Cells", "offsets", VTK_INT64, 1, g->n, write_offsets),
         MADE("Cells", "types", VTK_UINT8, 1, g->n, write_types),
         MADE("Cells", "faces", VTK_INT64, 1, g->n_words, write_faces), // if there are polyhedra
@@ -185,20 +178,23 @@ static void list_arrays(const grid *g, vtk_array arrays[ARRAYS])
 static bool write_grid(const char *path, const grid *g, double time, duet_error *err)
 {
     vtk_array arrays[ARRAYS];
-    char counts[96];
     list_arrays(g, arrays);
-    snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu64 "\" NumberOfCells=\"%" PRIu64 "\"",
-             g->n_points, g->n);
-    const vtk_piece piece = {
-        "UnstructuredGrid", counts, time, arrays, g->n_words > 0 ? ARRAYS : ARRAYS - 2, g};
+    const vtk_piece piece = {"UnstructuredGrid",
+                             g->n_points,
+                             "Cells",
+                             g->n,
+                             time,
+                             arrays,
+                             g->n_words > 0 ? ARRAYS : ARRAYS - 2,
+                             g};
     return vtk_file_write(path, &piece, err);
 }
 
-bool vtk_bodies_write(const char *path, const body_states *bodies, const uint8_t *asleep,
-                      const solid solids[SOLID_KINDS], uint32_t dims, double time, duet_error *err)
+bool vtk_bodies_write(const char *path, const body_states *bodies, const solid solids[SOLID_KINDS],
+                      uint32_t dims, double time, duet_error *err)
 {
     grid g = {.bodies = bodies, .solids = solids, .dims = dims};
-    bool ok = make_rows(&g, asleep, err) && write_grid(path, &g, time, err);
+    bool ok = make_rows(&g, err) && write_grid(path, &g, time, err);
     free(g.rows);
     return ok;
 }
@@ -210,6 +206,7 @@ bool vtk_bodies_write_parallel(const char *path, const char *stem, uint32_t n, d
     const grid g = {.rows = &none};
     vtk_array arrays[ARRAYS];
     list_arrays(&g, arrays);
-    const vtk_piece piece = {"UnstructuredGrid", "", time, arrays, ARRAYS, &g};
+    const vtk_piece piece = {
+        .kind = "UnstructuredGrid", .time = time, .arrays = arrays, .n = ARRAYS, .of = &g};
     return vtk_file_write_parallel(path, &piece, stem, n, err);
 }

@@ -7,9 +7,9 @@
 #include "cli/body_states.h"
 #include "cli/vtk/solid.h"
 
-// asleep[n]: as duet_motion_get_asleep gives it. solids: solids_make of dims.
-bool vtk_bodies_write(const char *path, const body_states *bodies, const uint8_t *asleep,
-                      const solid solids[SOLID_KINDS], uint32_t dims, double time, duet_error *err);
+// solids: solids_make of dims.
+bool vtk_bodies_write(const char *path, const body_states *bodies, const solid solids[SOLID_KINDS],
+                      uint32_t dims, double time, duet_error *err);
 
 // A .pvtu file of the same: of n files STEM_0.vtu and so on, beside it.
 bool vtk_bodies_write_parallel(const char *path, const char *stem, uint32_t n, double time,

@@ -60,29 +60,9 @@ static bool make_rows(touches *t, const duet_contact *contacts, uint64_t n, duet
 
 // ---------------------------------------------------------------- the file
 
-static void write_numbers(FILE *to, uint64_t n, int64_t from)
-{
-    for (uint64_t i = 0; i < n; ++i)
-        vtk_write_int64(to, from + (int64_t)i);
-}
-
-static void write_connectivity(FILE *to, const void *of)
-{
-    write_numbers(to, ((const touches *)of)->n, 0);
-}
-
-static void write_offsets(FILE *to, const void *of)
-{
-    write_numbers(to, ((const touches *)of)->n, 1);
-}
-
-#define ROWS(section, name, member, type, components, labels)                                  \
-    {                                                                                          \
-        section, name, type, components, labels, t->n, &t->rows->member, sizeof *t->rows, NULL \
-    }
-#define MADE(name, write)                                       \
-    {                                                           \
-        "Verts", name, VTK_INT64, 1, NULL, t->n, NULL, 0, write \
+#define ROWS(section, name, member, type, components, labels)                                      \
+    {                                                                                              \
+        section, name, type, components, labels, t->n, &t->rows->member, .stride = sizeof *t->rows \
     }
 
 static bool write_points(const char *path, const touches *t, bool pushes, double time,
@@ -90,8 +70,8 @@ static bool write_points(const char *path, const touches *t, bool pushes, double
 {
     const vtk_array arrays[] = {
         ROWS("Points", "points", at, VTK_FLOAT64, 3, NULL),
-        MADE("connectivity", write_connectivity),
-        MADE("offsets", write_offsets),
+        {"Verts", "connectivity", VTK_INT64, 1, .n = t->n, .step = 1},
+        {"Verts", "offsets", VTK_INT64, 1, .n = t->n, .first = 1, .step = 1},
         ROWS("PointData", "a", a, VTK_INT64, 1, NULL),
         ROWS("PointData", "b", b, VTK_INT64, 1, NULL),
         ROWS("PointData", "normal", normal, VTK_FLOAT32, 3, "x y z"),
@@ -99,10 +79,8 @@ static bool write_points(const char *path, const touches *t, bool pushes, double
         ROWS("PointData", "force", force, VTK_FLOAT32, 3, "x y z"), // if contacts push
     };
     const uint32_t all = sizeof arrays / sizeof *arrays;
-    char counts[96];
-    snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu64 "\" NumberOfVerts=\"%" PRIu64 "\"",
-             t->n, t->n);
-    const vtk_piece piece = {"PolyData", counts, time, arrays, pushes ? all : all - 1, t};
+    const vtk_piece piece = {"PolyData", t->n, "Verts", t->n, time, arrays, pushes ? all : all - 1,
+                             t};
     return vtk_file_write(path, &piece, err);
 }
 

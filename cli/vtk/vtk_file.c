@@ -89,7 +89,8 @@ static void write_head(FILE *to, const vtk_piece *p)
     vtk_file_begin(to, p->kind);
     fprintf(to, "<%s>\n", p->kind);
     write_time(to, p->time);
-    fprintf(to, "<Piece %s>\n", p->counts);
+    fprintf(to, "<Piece NumberOfPoints=\"%" PRIu64 "\" NumberOf%s=\"%" PRIu64 "\">\n", p->n_points,
+            p->cells, p->n_cells);
     write_declarations(to, p);
     fprintf(to, "</Piece>\n</%s>\n", p->kind);
 }
@@ -108,6 +109,12 @@ static void write_rows(FILE *to, const vtk_array *a)
         fwrite((const char *)a->rows + i * a->stride, size, 1, to);
 }
 
+static void write_numbers(FILE *to, const vtk_array *a)
+{
+    for (uint64_t i = 0; i < a->n; ++i)
+        vtk_write_int64(to, a->first + (int64_t)i * a->step);
+}
+
 static void write_values(FILE *to, const vtk_piece *p)
 {
     fputs("<AppendedData encoding=\"raw\">\n_", to);
@@ -117,7 +124,7 @@ static void write_values(FILE *to, const vtk_piece *p)
         if (p->arrays[i].write)
             p->arrays[i].write(to, p->of);
         else
-            write_rows(to, &p->arrays[i]);
+            (p->arrays[i].rows ? write_rows : write_numbers)(to, &p->arrays[i]);
     }
     fputs("\n</AppendedData>\n", to);
 }

@@ -16,7 +16,8 @@
 
 typedef enum vtk_type { VTK_FLOAT32, VTK_FLOAT64, VTK_INT64, VTK_UINT8 } vtk_type;
 
-// n rows of values, which lie `stride` bytes apart in memory, or which `write` makes.
+// n rows of values, which lie `stride` bytes apart in memory, which `write` makes, or else the
+// numbers `first`, `first + step` and so on.
 typedef struct vtk_array {
     const char *section; // "CellData"; arrays of one follow each other
     const char *name;
@@ -26,12 +27,15 @@ typedef struct vtk_array {
     uint64_t n;
     const void *rows;
     size_t stride;
-    void (*write)(FILE *to, const void *of); // NULL: they lie in memory
+    void (*write)(FILE *to, const void *of);
+    int64_t first, step;
 } vtk_array;
 
 typedef struct vtk_piece {
-    const char *kind;   // "UnstructuredGrid"
-    const char *counts; // NumberOfPoints="8" ...
+    const char *kind; // "UnstructuredGrid"
+    uint64_t n_points;
+    const char *cells; // what they are: "Cells", "Verts"
+    uint64_t n_cells;
     double time;
     const vtk_array *arrays; // [n]
     uint32_t n;

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "cli/vtk/vtk_frames.h"
 
-#include "base/error.h"
 #include "cli/vtk/vtk_bodies.h"
 #include "cli/vtk/vtk_contacts.h"
 #include "cli/vtk/vtk_ground.h"
-
-#include <stdlib.h>
 
 void vtk_frames_begin(vtk_frames *f, const char *folder, duet_motion *motion)
 {
@@ -19,17 +16,9 @@ void vtk_frames_begin(vtk_frames *f, const char *folder, duet_motion *motion)
 
 static bool add_bodies(vtk_frames *f, const body_states *bodies, double time, duet_error *err)
 {
-    uint8_t *asleep = malloc((size_t)bodies->n + 1);
-    if (!asleep)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a frame of %u objects",
-                         bodies->n);
     const char *path = vtk_series_next(&f->bodies, err);
-    bool ok = path && duet_motion_get_asleep(f->motion, asleep, err) &&
-              vtk_bodies_write(path, bodies, asleep, f->solids,
-                               duet_motion_get_def(f->motion)->dims, time, err) &&
-              vtk_series_add(&f->bodies, time, err);
-    free(asleep);
-    return ok;
+    return path && vtk_bodies_write(path, bodies, f->solids, bodies->def.dims, time, err) &&
+           vtk_series_add(&f->bodies, time, err);
 }
 
 static bool add_contacts(vtk_frames *f, const body_states *bodies, double time, duet_error *err)

@@ -5,8 +5,6 @@
 #include "cli/vtk/vtk_file.h"
 #include "runtime/narrowphase/mesh.h"
 
-#include <inttypes.h>
-
 static void write_places(FILE *to, const void *of)
 {
     const duet_heights *h = of;
@@ -31,25 +29,16 @@ static void write_strips(FILE *to, const void *of)
         }
 }
 
-static void write_strip_ends(FILE *to, const void *of)
-{
-    const duet_heights *h = of;
-    for (uint32_t j = 1; j < h->ny; ++j)
-        vtk_write_int64(to, 2 * (int64_t)j * h->nx);
-}
-
 static bool write_heights(const char *path, const duet_heights *h, double time, duet_error *err)
 {
     const uint64_t points = (uint64_t)h->nx * h->ny, strips = h->ny - 1;
+    const int64_t strip = 2 * (int64_t)h->nx;
     const vtk_array arrays[] = {
-        {"Points", "points", VTK_FLOAT64, 3, NULL, points, NULL, 0, write_places},
-        {"Strips", "connectivity", VTK_INT64, 1, NULL, 2 * strips * h->nx, NULL, 0, write_strips},
-        {"Strips", "offsets", VTK_INT64, 1, NULL, strips, NULL, 0, write_strip_ends},
+        {"Points", "points", VTK_FLOAT64, 3, .n = points, .write = write_places},
+        {"Strips", "connectivity", VTK_INT64, 1, .n = 2 * strips * h->nx, .write = write_strips},
+        {"Strips", "offsets", VTK_INT64, 1, .n = strips, .first = strip, .step = strip},
     };
-    char counts[96];
-    snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu64 "\" NumberOfStrips=\"%" PRIu64 "\"",
-             points, strips);
-    const vtk_piece piece = {"PolyData", counts, time, arrays, sizeof arrays / sizeof *arrays, h};
+    const vtk_piece piece = {"PolyData", points, "Strips", strips, time, arrays, 3, h};
     return vtk_file_write(path, &piece, err);
 }
 
@@ -72,25 +61,16 @@ static void write_corners(FILE *to, const void *of)
         vtk_write_int64(to, m->triangles[i]);
 }
 
-static void write_ends(FILE *to, const void *of)
-{
-    const duet_mesh *m = of;
-    for (int64_t i = 1; i <= m->n_triangles; ++i)
-        vtk_write_int64(to, 3 * i);
-}
-
 static bool write_mesh(const char *path, const duet_mesh *m, double time, duet_error *err)
 {
     const vtk_array arrays[] = {
-        {"Points", "points", VTK_FLOAT64, 3, NULL, m->n_vertices, NULL, 0, write_vertices},
-        {"Polys", "connectivity", VTK_INT64, 1, NULL, 3 * (uint64_t)m->n_triangles, NULL, 0,
-         write_corners},
-        {"Polys", "offsets", VTK_INT64, 1, NULL, m->n_triangles, NULL, 0, write_ends},
+        {"Points", "points", VTK_FLOAT64, 3, .n = m->n_vertices, .write = write_vertices},
+        {"Polys", "connectivity", VTK_INT64, 1, .n = 3 * (uint64_t)m->n_triangles,
+         .write = write_corners},
+        {"Polys", "offsets", VTK_INT64, 1, .n = m->n_triangles, .first = 3, .step = 3},
     };
-    char counts[96];
-    snprintf(counts, sizeof counts, "NumberOfPoints=\"%" PRIu32 "\" NumberOfPolys=\"%" PRIu32 "\"",
-             m->n_vertices, m->n_triangles);
-    const vtk_piece piece = {"PolyData", counts, time, arrays, sizeof arrays / sizeof *arrays, m};
+    const vtk_piece piece = {"PolyData", m->n_vertices, "Polys", m->n_triangles,
+                             time,       arrays,        3,       m};
     return vtk_file_write(path, &piece, err);
 }
 

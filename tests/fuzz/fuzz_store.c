@@ -46,15 +46,15 @@ static void list(const char *path)
 static void report(const char *path)
 {
     duet_error err = {0};
-    text page = {0};
-    cJSON *shown = page_begin();
+    cJSON *files, *shown = page_begin(&files);
     store *s = store_open(path, STORE_READ, &err);
     fuzz_require_answer(s != NULL, &err);
     if (s)
-        fuzz_require_answer(page_add_store(shown, s, &err) && page_make(&page, shown, &err), &err);
+        fuzz_require_answer(page_add_store(shown, s, &err) &&
+                                page_write(fuzz_place("page.html").chars, shown, &err),
+                            &err);
     cJSON_Delete(shown);
     store_close(s);
-    text_free(&page);
 }
 
 static void change(const char *path)

@@ -151,11 +151,15 @@ facts.holds("every field of the list is there, and no other", function()
   check_fields("Tuning", assert(pair:tune(scene, { keep = false, repeats = 1, variants = { "auto" }, modes = { "own" } })))
 end)
 
-facts.holds("an array's row has the columns of the list", function()
+local widths <const> = { f = "f", d = "d", i = "i4", I = "I4", h = "h", Q = "I8", C = "B", B = "B" }
+
+facts.holds("an array's row has the columns of the list, and they fill the C struct", function()
   for _, class in ipairs(api.classes) do
     if class.columns then
       local made <close> = duet[class[1]:match "^duet%.(%w+)$":gsub("(%l)(%u)", "%1_%2"):lower()](1)
       facts.equal(#{ made:get(0) }, #class.columns)
+      local unused = #made:bytes() - ("!8" .. class.columns:gsub(".", widths)):packsize()
+      assert(unused >= 0 and unused < 8, class[1]) -- a large pose ends with a word that is kept free
     end
   end
 end)
