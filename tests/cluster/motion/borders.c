@@ -6,7 +6,6 @@
 #include "runtime/broadphase/world.h"
 
 #include <math.h>
-#include <string.h>
 
 static extent cube_at(double x, double y)
 {

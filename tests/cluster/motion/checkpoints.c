@@ -5,8 +5,6 @@
 #include "base/text.h"
 #include "base/text_file.h"
 
-#include <string.h>
-
 // Takes steps on so many ranks, from a file or from the beginning, and saves it.
 static uint64_t go_on(const moving_scene *s, int n_ranks, uint32_t parts, const char *from,
                       const char *to)

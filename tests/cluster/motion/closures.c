@@ -5,8 +5,6 @@
 #include "base/rng.h"
 #include "kernels/dynamics/records.h"
 
-#include <string.h>
-
 enum { FIELD = 60, FIELD_CONTACTS = 150, SWEEPS = 3, WRONG = 0xBAD };
 
 // Contacts of bodies on a line, each of one with another near it; the first `n_own` are a domain's.

@@ -6,8 +6,6 @@
 #include "cluster/colouring.h"
 #include "kernels/dynamics/records.h"
 
-#include <string.h>
-
 enum { MOST_CONTACTS = 200, MOST_BODIES = 40 };
 
 // Contacts of two bodies in six, each end of which has a colour already.

@@ -3,7 +3,6 @@
 #include "cluster/motion/moving.h"
 
 #include "base/rng.h"
-#include "cluster/colouring.h"
 #include "kernels/dynamics/records.h"
 
 static void note_travelling(const halo_side *s, uint32_t k, bool *travels)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cluster/motion/moving.h"
 
-#include <string.h>
-
 // FNV-1a of bytes.
 static uint64_t add_bytes(uint64_t hash, const void *bytes, size_t n)
 {
@@ -84,8 +82,7 @@ static outcome one_motions_outcome(const moving_scene *s, const char *from)
 {
     outcome o = {0};
     duet_motion_result result;
-    duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
+    duet_device_pair *pair = must(duet_device_pair_open(NULL, ERR));
     duet_scene *scene = must(duet_scene_load(path_of(s), s->settings, n_settings(s), ERR));
     duet_motion_def def = duet_scene_motion_def(scene, pair);
     duet_motion *motion = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));

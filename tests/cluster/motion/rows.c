@@ -6,8 +6,6 @@
 #include "cluster/row_order.h"
 #include "kernels/dynamics/records.h"
 
-#include <string.h>
-
 // Three words of every four, in place and by the device.
 static void vectors_leave_out_their_fourth(duet_motion *m)
 {

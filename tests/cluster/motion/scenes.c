@@ -2,7 +2,6 @@
 // Any number of ranks and domains has one motion's bits, and tells what it tells.
 #include "cluster/motion/moving.h"
 
-#include "cluster/colouring.h"
 #include "kernels/dynamics/records.h"
 
 typedef struct told {
