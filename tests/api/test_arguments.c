@@ -1034,7 +1034,7 @@ static const char *const headers[] = {"runtime/duet.h",
 
 static uint32_t n_called, n_fallible;
 
-// Reads a file of the source; the caller frees it.
+// Reads a file of the source.
 static text read_source(const char *path)
 {
     own(text) from = {0};
@@ -1045,7 +1045,7 @@ static text read_source(const char *path)
 static void assert_called_here(const char *name)
 {
     char call[80];
-    own(text) here = read_source("tests/api/test_arguments.c");
+    const text here = read_source("tests/api/test_arguments.c");
     snprintf(call, sizeof call, "%s(", name);
     for (const char *at = strstr(here.chars, call); at; at = strstr(at + 1, call))
         if (!isalnum((unsigned char)at[-1]) && at[-1] != '_')
@@ -1067,7 +1067,7 @@ static void check_call(const char *header, const char *name, bool takes_an_error
 // The name before the first bracket behind DUET_API.
 static void check_header(const char *header)
 {
-    own(text) file = read_source(header);
+    const text file = read_source(header);
     for (char *at = strstr(file.chars, "\nDUET_API "); at; at = strstr(at + 1, "\nDUET_API ")) {
         char *bracket = strchr(at, '('), *begin = bracket, *end = strchr(at, ';');
         while (begin > at && (isalnum((unsigned char)begin[-1]) || begin[-1] == '_'))
@@ -1133,8 +1133,7 @@ static int open_all(void **state)
 {
     (void)state;
     const duet_pose two[2] = {pose, pose};
-    duet_device_pair_def def = duet_default_device_pair_def();
-    pair = must(duet_device_pair_create(&def, ERR));
+    pair = must(duet_device_pair_open(NULL, ERR));
     make_worlds();
     scene = must(duet_scene_create(DUET_OBJECT_POSES, two, 2, 3, 0, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, two, 2, ERR));
