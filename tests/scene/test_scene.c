@@ -260,7 +260,7 @@ static int read_examples(const char *document, const char *kind)
     char begin[16];
     char name[64];
     snprintf(begin, sizeof begin, "```%s\n", kind);
-    snprintf(name, sizeof name, "test_formats.%s", kind);
+    snprintf(name, sizeof name, "test_scene_format.%s", kind);
     int n = 0;
     const char *at = document;
     while ((at = strstr(at, begin))) {
