@@ -25,9 +25,8 @@ static void scatter(int wide)
 // Slabs cut grids of one size of cells; whole grids are built where objects differ.
 static void step_default(int wide, duet_mode mode)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world_def def = devices_def(3);
+    duet_world *world = create_world(&def);
     duet_plan usual = duet_default_plan(devices);
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->share, usual.share);
@@ -35,9 +34,7 @@ static void step_default(int wide, duet_mode mode)
     assert_string_equal(plan->variant_b, usual.variant_b);
     assert_in_range(plan->share, 1, DUET_SHARE_ONE - 1);
     scatter(wide);
-    duet_result result;
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
-    must(duet_world_step(world, &result, ERR));
+    duet_result result = step_with(world, DUET_OBJECT_POSES, poses, N);
     for (int d = 0; d < 2; ++d)
         assert_true(result.spans[d].n > 0);
     assert_int_equal(duet_world_get_plan(world)->mode, mode);
@@ -58,7 +55,7 @@ TEST(a_plan_may_leave_things_to_the_world)
     def.pair = pair;
     def.plan.mode = DUET_MODE_SLAB;
     strcpy(def.plan.variant_b, "gpu");
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     duet_plan usual = duet_default_plan(pair);
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->mode, DUET_MODE_SLAB);

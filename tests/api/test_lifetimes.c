@@ -143,12 +143,10 @@ static void close_in(const owner order[OWNERS], bool with_use)
     assert_int_equal(device_live_objects(), 0);
 }
 
-static bool takes_all;
-
 // The rest is used after each closing of each 60th order; with --all the others end, too.
 static void visit(const owner order[OWNERS], int place)
 {
-    if (place % 60 == 7 || takes_all)
+    if (place % 60 == 7 || test_takes_all())
         close_in(order, place % 60 == 7);
 }
 
@@ -176,8 +174,4 @@ TEST(what_is_open_goes_on_in_any_order_of_closing)
     assert_int_equal(n_orders, 720);
 }
 
-int main(int argc, char **argv)
-{
-    takes_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    return test_run(make_poses, NULL);
-}
+TEST_MAIN(make_poses, NULL)

@@ -60,7 +60,7 @@ static duet_device_pair *open_queues(cl_command_queue a, cl_command_queue b)
 static duet_world *make_world(duet_device_pair *pair, duet_world_def def)
 {
     def.pair = pair;
-    return kept(duet_world_create(&def, ERR));
+    return create_world(&def);
 }
 
 static uint64_t hash_of(duet_world *world)
@@ -406,14 +406,10 @@ static uint64_t hash_of_buffers(const duet_pair_buffers *b)
 {
     cl_ulong n = 0;
     duet_pair *pairs = test_alloc((size_t)b->n * sizeof *pairs + 1);
-    assert_int_equal(
-        clEnqueueReadBuffer(own.queues[0], b->count, CL_TRUE, 0, sizeof n, &n, 0, NULL, NULL),
-        CL_SUCCESS);
+    own_read(0, b->count, &n, sizeof n, NULL);
     assert_true(n == b->n);
     if (n > 0)
-        assert_int_equal(clEnqueueReadBuffer(own.queues[0], b->pairs, CL_TRUE, 0,
-                                             (size_t)n * sizeof *pairs, pairs, 0, NULL, NULL),
-                         CL_SUCCESS);
+        own_read(0, b->pairs, pairs, (size_t)n * sizeof *pairs, NULL);
     return duet_pairs_hash(pairs, n);
 }
 
@@ -465,8 +461,7 @@ TEST(pairs_are_left_in_buffers)
 // is no queue of the caller's to wait for.
 TEST(buffers_come_from_the_context_of_a_pair_without_queues)
 {
-    duet_device_pair_def def = duet_default_device_pair_def();
-    duet_device_pair *pair = kept(duet_device_pair_create(&def, ERR));
+    duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
     duet_world *world = make_world(pair, duet_default_world_def());
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     const uint64_t hash = hash_of(world);
@@ -500,7 +495,7 @@ TEST(a_buffer_too_small_for_the_pairs_is_left_as_it_was)
     must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_TOO_MANY,
               "the caller's buffer holds 3; expected one of");
     assert_int_equal(result.pairs, n);
-    clEnqueueReadBuffer(own.queues[0], pairs, CL_TRUE, 0, sizeof now, now, 0, NULL, NULL);
+    own_read(0, pairs, now, sizeof now, NULL);
     assert_memory_equal(now, kept, sizeof now);
     must_fail(duet_world_get_pair_buffers(world, &buffers, ERR), DUET_STATUS_BAD_ARGUMENT,
               "no step has left its pairs");
@@ -525,9 +520,7 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
         read = 0;
         must(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, mem, N, 0, NULL, ERR));
         must(duet_world_step_begin_event(world, &done, ERR));
-        assert_int_equal(clEnqueueReadBuffer(own.queues[1], count, CL_TRUE, 0, sizeof read, &read,
-                                             1, &done, NULL),
-                         CL_SUCCESS);
+        own_read(1, count, &read, sizeof read, &done);
         must(duet_world_step_end(world, &result, ERR));
         assert_int_equal(read, result.pairs);
         must(duet_world_get_pair_buffers(world, &buffers, ERR));
@@ -541,9 +534,7 @@ TEST(commands_that_wait_for_a_step_see_its_pairs)
     must(duet_world_step_begin_event(world, &done, ERR));
     must_fail(duet_world_step_end(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 5 of");
     read = 9;
-    assert_int_equal(
-        clEnqueueReadBuffer(own.queues[1], count, CL_TRUE, 0, sizeof read, &read, 1, &done, NULL),
-        CL_SUCCESS);
+    own_read(1, count, &read, sizeof read, &done);
     assert_int_equal(read, 0);
     must_fail(duet_world_get_pair_buffers(world, &buffers, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     clReleaseEvent(done);
@@ -610,9 +601,7 @@ TEST(states_are_copied_into_a_buffer)
         clSetUserEventStatus(gate, CL_COMPLETE);
         must(duet_motion_copy_states(motion, DUET_STATE_CENTRES, mem, 1, &gate, i ? &done : NULL,
                                      ERR));
-        assert_int_equal(clEnqueueReadBuffer(own.queues[0], mem, CL_TRUE, 0, sizeof rows, rows,
-                                             i ? 1 : 0, i ? &done : NULL, NULL),
-                         CL_SUCCESS);
+        own_read(0, mem, rows, sizeof rows, i ? &done : NULL);
         must(duet_motion_get_states(motion, states, ERR));
         for (int id = 0; id < SOME; ++id)
             for (int k = 0; k < 3; ++k)
@@ -658,7 +647,7 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
         must_fail(duet_world_set_objects_buffer(world, DUET_OBJECT_POSES, objects[i].objects, 2, 0,
                                                 NULL, ERR),
                   DUET_STATUS_BAD_ARGUMENT, objects[i].says);
-        assert_non_null(strstr(ERR->text, "duet_world_set_objects_buffer: "));
+        assert_says(ERR->text, "duet_world_set_objects_buffer: ");
     }
     const struct {
         cl_mem pairs, count;
@@ -691,8 +680,5 @@ TEST(what_is_no_fit_buffer_is_refused_by_name)
     clReleaseContext(other);
 }
 
-int main(void)
-{
-    test_each(NULL, test_leaves_no_object);
-    return test_run(open_program, close_program);
-}
+TEST_EACH(NULL, test_leaves_no_object)
+TEST_MAIN(open_program, close_program)

@@ -95,7 +95,7 @@ TEST(a_text_grows_and_survives_a_file)
     for (int i = 0; i < 1000; ++i)
         text_add(&t, "%d,", i);
     must(text_write_file("test_base.tmp", t.chars, t.length, ERR));
-    own(text) back = test_read_file("test_base.tmp");
+    const text back = test_read_file("test_base.tmp");
     assert_int_equal(back.length, t.length);
     assert_memory_equal(back.chars, t.chars, t.length);
 }
@@ -133,7 +133,7 @@ TEST(a_missing_file_and_a_folder_are_named)
     duet_error err = {0};
     assert_false(text_read_file(&t, "no/such/file", &err));
     assert_int_equal(err.status, DUET_STATUS_NOT_FOUND);
-    assert_non_null(strstr(err.text, "no/such/file"));
+    assert_says(err.text, "no/such/file");
     err = (duet_error){0};
     assert_false(text_read_file(&t, "/", &err));
     assert_int_equal(err.status, DUET_STATUS_IO_FAILED);

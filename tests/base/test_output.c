@@ -222,7 +222,7 @@ TEST(stdout_is_written_to_whatever_it_is)
                                          ways[way], names[i], ways[way]));
             assert_string_equal(p.err, "");
             assert_int_equal(strncmp(p.out, "duet ", 5), 0);
-            assert_non_null(strstr(p.out, "\n{\"type\":\"store\""));
+            assert_says(p.out, "\n{\"type\":\"store\"");
         }
 }
 
@@ -334,9 +334,7 @@ TEST(what_does_not_fit_leaves_the_file_as_it_was)
 // The program itself, which such a limit would end by a signal.
 TEST(the_program_says_that_a_file_became_too_large)
 {
-    store *s = test_store_open("p.db", STORE_WRITE);
-    test_tune_usual(s);
-    store_close(s);
+    test_store_tune("p.db");
     test_write_file("rows", "old");
     int names = test_count_files();
     program_assert_refused(program_run_with("ulimit -f 2;", "profiles export rows --profile p.db"),
@@ -345,8 +343,5 @@ TEST(the_program_says_that_a_file_became_too_large)
     assert_int_equal(test_count_files(), names);
 }
 
-int main(void)
-{
-    test_each(test_enter_folder, NULL);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(test_enter_folder, NULL)
+TEST_MAIN(NULL, NULL)

@@ -5,7 +5,6 @@
 #include "support/test.h"
 
 #include "base/visible.h"
-#include "support/program.h"
 #include "support/store.h"
 
 // Decodes by the definition: how many bits each byte adds, then what a code
@@ -206,7 +205,7 @@ TEST(a_page_of_such_a_store_is_utf8_and_holds_no_markup_of_it)
         program_done(program_run("report --profile %s -o %s/page.html", folder.store, folder.path));
         char path[96];
         snprintf(path, sizeof path, "%s/page.html", folder.path);
-        own(text) page = test_read_file(path);
+        const text page = test_read_file(path);
         assert_fit("the page", text_chars(&page));
         assert_null(strstr(text_chars(&page), "</title><b>"));
     }

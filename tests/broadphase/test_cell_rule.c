@@ -166,11 +166,9 @@ static void step(duet_world *world, size_t way, const char *scene, uint64_t hash
 
 static duet_world *make_world(duet_shape shape, uint32_t dims)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
+    duet_world_def def = devices_def(dims);
     def.shape = shape;
-    return kept(duet_world_create(&def, ERR));
+    return create_world(&def);
 }
 
 static void set_objects(duet_world *world, duet_shape shape, const lattice_box *boxes, uint32_t n,
@@ -252,8 +250,7 @@ TEST(candidates_among_tiny_boxes_are_those_of_the_bounds)
         scatter(boxes, FEW, i % 2 ? ULPS : MIXED, 0xA00000, 40, 3, &r);
         for (uint32_t k = 0; k < FEW; ++k)
             poses[k] = pose_of(&boxes[k], exponents[i]);
-        duet_world_def def = duet_default_world_def();
-        def.pair = devices;
+        duet_world_def def = devices_def(3);
         def.rotated = i >= 2;
         assert_true(agreement_check(&def, poses, FEW) > 0);
     }
@@ -283,8 +280,7 @@ TEST(placed_boxes_of_a_few_quanta_are_found)
         }
         uint64_t n_pairs;
         sweep(boxes, FEW, &n_pairs);
-        duet_world_def def = duet_default_world_def();
-        def.pair = devices;
+        duet_world_def def = devices_def(3);
         def.origin_edge = 1.0f;
         def.rotated = false;
         assert_int_equal(agreement_check(&def, placed, FEW), n_pairs);
@@ -316,8 +312,4 @@ TEST(thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan)
     }
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    return test_run(open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

@@ -15,20 +15,18 @@ static duet_pose poses[MANY];
 // Upright cubes in a world whose cells are known.
 static duet_world *make_world(uint32_t dims, const float upper[3])
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
+    duet_world_def def = devices_def(dims);
     def.rotated = false;
     def.cell = 1.01f;
     def.has_world = true;
     memcpy(def.upper, upper, sizeof def.upper);
-    return kept(duet_world_create(&def, ERR));
+    return create_world(&def);
 }
 
 static void fill(rng *r, uint32_t n, const float upper[3])
 {
     for (uint32_t i = 0; i < n; ++i) {
-        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        poses[i] = cube_at(0, 0, 0, 0.5);
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(r, -1.0, upper[k] + 1.0);
     }
@@ -36,17 +34,14 @@ static void fill(rng *r, uint32_t n, const float upper[3])
 
 static void set_variant(duet_world *world, const char *words)
 {
-    duet_plan plan = {.mode = DUET_MODE_OWN};
-    set_variants(&plan, words);
+    duet_plan plan = plan_of(DUET_MODE_OWN, 0, words, words);
     must(duet_world_set_plan(world, &plan, ERR));
 }
 
 // Steps with the first n poses, and gives the kernel that found their cells.
 static const kernel *step(duet_world *world, uint32_t n, uint64_t *hash)
 {
-    duet_result result;
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
-    must(duet_world_step(world, &result, ERR));
+    duet_result result = step_with(world, DUET_OBJECT_POSES, poses, n);
     *hash = duet_result_get_hash(&result);
     return world->parts[1].kernels.hash;
 }
@@ -132,8 +127,7 @@ TEST(objects_that_take_turns_keep_their_grids)
 
 TEST(a_word_for_cells_that_there_is_not_is_refused)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     strcpy(def.plan.variant_b, "simd cells=both");
     must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, "variant: cells=both is not possible; expected free or fixed");

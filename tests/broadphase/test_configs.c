@@ -243,9 +243,7 @@ static uint64_t true_hash(const scene *s)
 static duet_world *open_world(const scene *s, const duet_plan *plan)
 {
     duet_error err = {0};
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = s->dims;
+    duet_world_def def = devices_def(s->dims);
     def.shape = s->shape;
     def.rotated = s->rotated;
     def.level = s->level;

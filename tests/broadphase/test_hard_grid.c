@@ -17,9 +17,7 @@ static duet_bounds bounds[CAPACITY];
 
 static duet_world_def def_of(uint32_t dims)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
+    duet_world_def def = devices_def(dims);
     return def;
 }
 
@@ -125,8 +123,7 @@ TEST(turned_cubes_with_a_cell_of_their_edge_are_refused_or_widened)
     def.cell_fixed = true;
     scatter(500, &r, 0, 10, 0.5);
     duet_result result;
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, 500, ERR));
+    duet_world *world = create_world_of(&def, DUET_OBJECT_POSES, poses, 500);
     must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_CELL_TOO_SMALL, "");
     def.cell_fixed = false;
     assert_true(agreement_check(&def, poses, 500) > 0);
@@ -182,8 +179,7 @@ TEST(memory_follows_the_objects_and_not_the_world)
     for (uint32_t i = 0; i < CAPACITY; ++i)
         poses[i] = scattered(&r, 0, 1e9, 0.5);
     duet_result result;
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, CAPACITY, ERR));
+    duet_world *world = create_world_of(&def, DUET_OBJECT_POSES, poses, CAPACITY);
     must(duet_world_step(world, &result, ERR));
     assert_true(result.bytes[0] < 1000 * CAPACITY);
     assert_true(result.bytes[1] < 1000 * CAPACITY);
@@ -285,8 +281,7 @@ TEST(scenes_of_any_small_number_of_objects_are_whole)
 
 static duet_world *open_world(const duet_world_def *def, uint32_t n)
 {
-    duet_world *world = kept(duet_world_create(def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
+    duet_world *world = create_world_of(def, DUET_OBJECT_POSES, poses, n);
     return world;
 }
 
@@ -303,7 +298,7 @@ TEST(a_limit_of_pairs_holds_to_the_last_one)
         assert_int_equal(duet_world_step(world, &result, &err), !below);
         assert_int_equal(err.status, below ? DUET_STATUS_TOO_MANY : DUET_STATUS_OK);
         if (below)
-            assert_non_null(strstr(err.text, "19900"));
+            assert_says(err.text, "19900");
     }
 }
 
@@ -372,8 +367,7 @@ TEST(bounds_with_lower_above_upper_are_named)
     duet_world_def def = def_of(3);
     def.shape = DUET_SHAPE_BOUNDS;
     duet_result result;
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_BOUNDS, bounds, 10, ERR));
+    duet_world *world = create_world_of(&def, DUET_OBJECT_BOUNDS, bounds, 10);
     must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 4");
 }
 
@@ -489,16 +483,8 @@ TEST(cells_that_fit_the_world_tightly_hold_their_objects)
             poses[i].rotation[2] = 0.38268343f; // 45 degrees
             poses[i].rotation[3] = 0.92387953f;
         }
-        duet_world *world = must(duet_world_create(&def, ERR));
-        duet_result result;
-        must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
-        must(duet_world_step(world, &result, ERR));
-        duet_world_destroy(world);
+        step_world(create_world_of(&def, DUET_OBJECT_POSES, poses, N));
     }
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    return test_run(open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

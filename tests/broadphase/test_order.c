@@ -120,9 +120,7 @@ TEST(the_order_is_a_permutation_by_cell_then_id)
     rng r = {test_seed()};
     for (uint32_t dims = 2; dims <= 3; ++dims)
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
-            duet_world_def def = duet_default_world_def();
-            def.pair = devices;
-            def.dims = dims;
+            duet_world_def def = devices_def(dims);
             duet_world *world = create_world(&def);
             fill_poses(&r, numbers[i], dims);
             set_poses(world, numbers[i]);
@@ -132,8 +130,7 @@ TEST(the_order_is_a_permutation_by_cell_then_id)
 
 static duet_world *make_hashed_world(duet_shape shape)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     def.shape = shape;
     def.plan.mode = DUET_MODE_OWN;
     set_variants(&def.plan, "simd grid=hashed");
@@ -149,8 +146,7 @@ TEST(any_grid_has_an_order)
     for (uint32_t i = 0; i < N; i += 100)
         poses[i].half_extents[0] = 20.0f;
     poses[7].centre[1] = NAN;
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     duet_world *world = create_world(&def);
     set_poses(world, N);
     assert_is_by_cell(world, N);
@@ -195,8 +191,7 @@ TEST(cells_beyond_32_and_beyond_63_bits_are_in_order)
 
 TEST(objects_of_one_cell_are_in_the_order_of_their_ids)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     duet_world *world = create_world(&def);
     rng r = {test_seed()};
     for (uint32_t i = 0; i < MANY; ++i)
@@ -240,26 +235,25 @@ TEST(threads_find_what_one_finds_of_a_grid_s_needs)
 static const uint32_t shares[] = {0, DUET_SHARE_ONE / 100, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
 enum { SHARES = sizeof shares / sizeof *shares };
 
-static uint64_t poses_hash(uint32_t n, uint32_t dims)
+static known_pairs poses_pairs(uint32_t n, uint32_t dims)
 {
-    return true_hash_of(duet_scene_create(DUET_OBJECT_POSES, poses, n, dims, 0, NULL));
+    return known_pairs_of(DUET_OBJECT_POSES, poses, n, dims);
 }
 
 static duet_world_def ordered_def(uint32_t dims, const char *kernels)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
+    duet_world_def def = devices_def(dims);
     def.ordered = true;
-    def.plan.mode = DUET_MODE_SLAB;
-    def.plan.share = DUET_SHARE_ONE / 2;
-    set_variants(&def.plan, kernels);
+    def.plan = plan_of(DUET_MODE_SLAB, DUET_SHARE_ONE / 2, kernels, kernels);
     return def;
 }
 
-static void step(duet_world *world, duet_result *result)
+// A world like that, and objects for it.
+static duet_world *ordered_world(rng *r, uint32_t n)
 {
-    must(duet_world_step(world, result, ERR));
+    duet_world_def def = ordered_def(3, "simd");
+    fill_poses(r, n, 3);
+    return create_world(&def);
 }
 
 static void put_in_order(duet_world *world, uint32_t n)
@@ -295,15 +289,12 @@ static void stray(rng *r, uint32_t n)
 
 static void assert_finds_all(duet_world *world, uint32_t n)
 {
-    uint64_t truth = poses_hash(n, world->def.dims);
+    const known_pairs truth = poses_pairs(n, world->def.dims);
     for (int s = 0; s < SHARES; ++s) {
-        duet_result result;
         set_share(world, shares[s]);
         set_poses(world, n);
-        step(world, &result);
-        assert_int_equal(duet_result_get_hash(&result), truth);
-        step(world, &result); // without new objects
-        assert_int_equal(duet_result_get_hash(&result), truth);
+        assert_step_finds(world, truth);
+        assert_step_finds(world, truth); // without new objects
     }
 }
 
@@ -405,10 +396,8 @@ static const uint32_t *words_of(const part *p, const buffer *b, size_t n)
 static uint32_t count_others(duet_world *world, uint32_t n)
 {
     const part *p = &world->parts[1];
-    duet_result result;
     set_poses(world, n);
-    step(world, &result);
-    assert_int_equal(duet_result_get_hash(&result), poses_hash(n, 3));
+    assert_step_finds(world, poses_pairs(n, 3));
     const uint32_t per_item = p->kernels.hash->per_item, n_items = (n + per_item - 1) / per_item;
     const uint32_t *edges = words_of(p, &p->edges, n_items + (size_t)1);
     for (uint32_t i = 0; i < n_items; ++i)
@@ -419,8 +408,7 @@ static uint32_t count_others(duet_world *world, uint32_t n)
 // A CPU's have some.
 static bool has_own_cells(duet_world *world)
 {
-    duet_result result;
-    step(world, &result);
+    step_world(world);
     return world->parts[1].kernels.own_cells != NULL;
 }
 
@@ -431,10 +419,9 @@ TEST(objects_in_order_are_in_their_work_item_s_own_cells)
     const uint32_t units = devices->devices[1].info.units;
     devices->devices[1].info.units = 0; // few objects are enough
     rng r = {test_seed()};
-    duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = create_world(&def);
-    fill_poses(&r, N, 3);
+    duet_world *world = ordered_world(&r, N);
     assert_finds_all_in_any_order(world, &r, N);
+    duet_world_def def = ordered_def(3, "simd");
     def.plan.mode = DUET_MODE_OWN;
     def.plan.share = 0;
     world = create_world(&def);
@@ -487,10 +474,8 @@ static void assert_zero(const part *p, const buffer *b, size_t n)
 // A step's counts are zero when it begins: it clears that itself, or the step before did.
 static void assert_counts_from_zero(duet_world *world, uint32_t n, const bool clears[2])
 {
-    duet_result result;
     set_poses(world, n);
-    step(world, &result);
-    assert_int_equal(duet_result_get_hash(&result), poses_hash(n, 3));
+    assert_step_finds(world, poses_pairs(n, 3));
     for (int side = 0; side < 2; ++side) {
         const part *p = &world->parts[side];
         assert_int_equal(has_stage(p, "clear"), clears[side]);
@@ -533,18 +518,14 @@ TEST(a_world_may_change_its_mode_from_step_to_step)
     static const duet_mode modes[] = {DUET_MODE_OWN,  DUET_MODE_SHARED, DUET_MODE_OWN,
                                       DUET_MODE_SLAB, DUET_MODE_SHARED, DUET_MODE_SLAB};
     rng r = {test_seed()};
-    duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = create_world(&def);
-    fill_poses(&r, N, 3);
-    uint64_t truth = poses_hash(N, 3);
+    duet_world *world = ordered_world(&r, N);
+    const known_pairs truth = poses_pairs(N, 3);
     for (size_t i = 0; i < sizeof modes / sizeof *modes; ++i) {
-        duet_result result;
         duet_plan plan = *duet_world_get_plan(world);
         plan.mode = modes[i];
         must(duet_world_set_plan(world, &plan, ERR));
         set_poses(world, N);
-        step(world, &result);
-        assert_int_equal(duet_result_get_hash(&result), truth);
+        assert_step_finds(world, truth);
     }
     assert_true(world->parts[1].scan.n_blocks > 1);
 }
@@ -562,18 +543,16 @@ TEST(a_device_that_takes_nothing_finds_nothing)
     fill_poses(&r, N, 3);
     put_in_order(world, N);
     set_poses(world, N);
-    uint64_t truth = poses_hash(N, 3);
+    const known_pairs truth = poses_pairs(N, 3);
     for (int round = 0; round < 2; ++round) {
-        duet_result result;
         set_share(world, DUET_SHARE_ONE / 10 * 9); // B has fewer than an empty slab has space for
-        step(world, &result);
-        assert_true(result.spans[1].n > 0);
+        assert_true(step_world(world).spans[1].n > 0);
         set_share(world, DUET_SHARE_ONE - 1);
         for (int i = 0; i < 3; ++i) {
-            step(world, &result);
+            const duet_result result = step_world(world);
             assert_int_equal(world->ranges.selections[1].n_ranges, 1);
             assert_int_equal(result.spans[1].n, 0);
-            assert_int_equal(duet_result_get_hash(&result), truth);
+            assert_found(&result, truth);
         }
     }
 }
@@ -583,9 +562,7 @@ TEST(giants_and_crowds_are_found)
 {
     enum { N = 3000 };
     rng r = {test_seed()};
-    duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = create_world(&def);
-    fill_poses(&r, N, 3);
+    duet_world *world = ordered_world(&r, N);
     for (uint32_t i = 0; i < N; i += 1000)
         poses[i].half_extents[1] = 3.0f;
     assert_finds_all_in_any_order(world, &r, N);
@@ -622,24 +599,21 @@ TEST(a_device_takes_its_own_half_and_the_blocks_with_strays)
     enum { N = CAPACITY };
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host) {
-        duet_result result;
-        duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
-        duet_world *world = create_world(&def);
-        fill_poses(&r, N, 3);
+        duet_world *world = ordered_world(&r, N);
         set_poses(world, N);
-        step(world, &result);
+        step_world(world);
         assert_int_equal(count_taken(world, 0), N); // in no order
         assert_int_equal(count_taken(world, 1), N);
         put_in_order(world, N);
         set_poses(world, N);
-        step(world, &result); // the same amount as before, since that was wanted
-        step(world, &result);
+        step_world(world); // the same amount as before, since that was wanted
+        step_world(world);
         assert_in_range(count_taken(world, 0), N * 4 / 10, N * 7 / 10);
         assert_in_range(count_taken(world, 1), N * 4 / 10, N * 6 / 10);
         swap(10, N - 10);
         set_poses(world, N);
-        step(world, &result);
+        step_world(world);
         assert_in_range(count_taken(world, 0), N * 4 / 10, N * 8 / 10);
         assert_in_range(count_taken(world, 1), N * 5 / 10, N * 7 / 10);
     }
@@ -652,16 +626,12 @@ TEST(objects_that_move_are_found_in_every_step)
     enum { N = 6000, STEPS = 8 };
     rng r = {test_seed()};
     for (int host = 0; host < 2; ++host) {
-        duet_world_def def = ordered_def(3, "simd");
         set_memory(host);
-        duet_world *world = create_world(&def);
-        fill_poses(&r, N, 3);
+        duet_world *world = ordered_world(&r, N);
         put_in_order(world, N);
         for (int i = 0; i < STEPS; ++i) {
-            duet_result result;
             set_poses(world, N);
-            step(world, &result);
-            assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
+            assert_step_finds(world, poses_pairs(N, 3));
             for (uint32_t id = 0; id < N; ++id)
                 for (int k = 0; k < 3; ++k)
                     poses[id].centre[k] += (float)rng_between(&r, -0.5, 0.5);
@@ -781,9 +751,7 @@ TEST(a_bad_object_is_named_wherever_it_strays)
 {
     enum { N = 5003 };
     rng r = {test_seed()};
-    duet_world_def def = ordered_def(3, "simd");
-    duet_world *world = create_world(&def);
-    fill_poses(&r, N, 3);
+    duet_world *world = ordered_world(&r, N);
     put_in_order(world, N);
     poses[N - 1].centre[2] = NAN;
     poses[N - 2].centre[0] = INFINITY;
@@ -793,7 +761,7 @@ TEST(a_bad_object_is_named_wherever_it_strays)
         set_share(world, shares[s]);
         set_poses(world, N);
         must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 40 ");
-        assert_non_null(strstr(ERR->text, "3 such objects"));
+        assert_says(ERR->text, "3 such objects");
     }
 }
 

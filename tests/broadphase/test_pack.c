@@ -25,9 +25,9 @@ static void fill_poses(rng *r, uint32_t n, uint32_t dims)
         poses[i] = random_cube(r, 0.0, edge_of(n, dims));
 }
 
-static uint64_t poses_hash(uint32_t n, uint32_t dims)
+static known_pairs poses_pairs(uint32_t n, uint32_t dims)
 {
-    return true_hash_of(duet_scene_create(DUET_OBJECT_POSES, poses, n, dims, 0, NULL));
+    return known_pairs_of(DUET_OBJECT_POSES, poses, n, dims);
 }
 
 // ------------------------------------------------------------ worlds
@@ -46,13 +46,9 @@ static duet_world *make_world(const duet_world_def *def)
 
 static duet_world_def world_def(uint32_t dims, const char *text)
 {
-    duet_world_def def = duet_default_world_def();
+    duet_world_def def = devices_def(dims);
     def.stage_times = true;
-    def.pair = devices;
-    def.dims = dims;
-    def.plan.mode = DUET_MODE_SLAB;
-    def.plan.share = DUET_SHARE_ONE / 2;
-    set_variants(&def.plan, text);
+    def.plan = plan_of(DUET_MODE_SLAB, DUET_SHARE_ONE / 2, text, text);
     return def;
 }
 
@@ -62,10 +58,25 @@ static void set_memory(bool host_a, bool host_b)
     devices->devices[1].info.host_memory = host_b;
 }
 
+// A world that is sent packed objects, which lie there, by devices with memory of their own.
+static duet_world *packed_world(rng *r, uint32_t n)
+{
+    set_memory(false, false);
+    fill_poses(r, n, 3);
+    duet_world_def def = world_def(3, "gpu send=packed");
+    return make_world(&def);
+}
+
 static duet_result step_poses(duet_world *world, uint32_t n)
 {
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, n, ERR));
     return step_world(world);
+}
+
+static void assert_poses_are_found(duet_world *world, uint32_t n, known_pairs truth)
+{
+    const duet_result result = step_poses(world, n);
+    assert_found(&result, truth);
 }
 
 static double stage_ms(const duet_result *result, const char *name, int side)
@@ -93,11 +104,10 @@ TEST(any_share_and_number_gives_the_reference_pairs)
         duet_world *world = make_world(&def);
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i) {
             fill_poses(&r, numbers[i], dims);
-            uint64_t truth = poses_hash(numbers[i], dims);
+            const known_pairs truth = poses_pairs(numbers[i], dims);
             for (int s = 0; s < SHARES; ++s) {
                 set_share(world, shares[s]);
-                duet_result result = step_poses(world, numbers[i]);
-                assert_int_equal(duet_result_get_hash(&result), truth);
+                assert_poses_are_found(world, numbers[i], truth);
             }
         }
     }
@@ -112,12 +122,12 @@ TEST(every_sort_takes_packed_objects)
     rng r = {test_seed()};
     set_memory(false, false);
     fill_poses(&r, N, 3);
-    uint64_t truth = poses_hash(N, 3);
+    const known_pairs truth = poses_pairs(N, 3);
     for (size_t v = 0; v < sizeof variants / sizeof *variants; ++v) {
         duet_world_def def = world_def(3, variants[v]);
         duet_world *world = make_world(&def);
-        duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_get_hash(&result), truth);
+        const duet_result result = step_poses(world, N);
+        assert_found(&result, truth);
         assert_int_equal(was_packed(&result, 0), strcmp(variants[v], "gpu send=all") != 0);
     }
 }
@@ -126,10 +136,7 @@ TEST(each_device_is_sent_its_slab_alone)
 {
     enum { N = 5003 };
     rng r = {test_seed()};
-    set_memory(false, false);
-    fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = make_world(&def);
+    duet_world *world = packed_world(&r, N);
     duet_result result = step_poses(world, N);
     assert_true(was_packed(&result, 0) && was_packed(&result, 1));
     const device_view *a = &world->parts[0].objects;
@@ -143,13 +150,9 @@ TEST(objects_that_move_between_steps_are_found)
 {
     enum { N = 3001, STEPS = 12 };
     rng r = {test_seed()};
-    set_memory(false, false);
-    fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = make_world(&def);
+    duet_world *world = packed_world(&r, N);
     for (int k = 0; k < STEPS; ++k) {
-        duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
+        assert_poses_are_found(world, N, poses_pairs(N, 3));
         // all drift into one slab, out of its space, and beyond the world
         for (uint32_t i = 0; i < N; ++i)
             poses[i].centre[2] += k < STEPS / 2 ? -6.0f : 9.0f;
@@ -168,11 +171,10 @@ TEST(objects_outside_the_world_are_found)
     for (int k = 0; k < 3; ++k)
         def.upper[k] = 16.0f;
     duet_world *world = make_world(&def);
-    uint64_t truth = poses_hash(N, 3);
+    const known_pairs truth = poses_pairs(N, 3);
     for (int s = 0; s < SHARES; ++s) {
         set_share(world, shares[s]);
-        duet_result result = step_poses(world, N);
-        assert_int_equal(duet_result_get_hash(&result), truth);
+        assert_poses_are_found(world, N, truth);
     }
 }
 
@@ -180,23 +182,19 @@ TEST(objects_that_stay_are_neither_packed_nor_sent_again)
 {
     enum { N = 2003 };
     rng r = {test_seed()};
-    set_memory(false, false);
-    fill_poses(&r, N, 3);
-    duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = make_world(&def);
+    duet_world *world = packed_world(&r, N);
     duet_result first = step_poses(world, N);
-    uint64_t truth = duet_result_get_hash(&first);
+    const known_pairs truth = {first.pairs, duet_result_get_hash(&first)};
     duet_result again = step_world(world);
     assert_false(was_packed(&again, 0) || was_packed(&again, 1));
     assert_true(stage_ms(&again, "send objects", 0) < 0.0);
-    assert_int_equal(duet_result_get_hash(&again), truth);
+    assert_found(&again, truth);
     set_share(world, DUET_SHARE_ONE); // all to A, then slabs once more
-    duet_result whole = step_world(world);
-    assert_int_equal(duet_result_get_hash(&whole), truth);
+    assert_step_finds(world, truth);
     set_share(world, DUET_SHARE_ONE / 2);
     duet_result cut = step_world(world);
     assert_true(was_packed(&cut, 0));
-    assert_int_equal(duet_result_get_hash(&cut), truth);
+    assert_found(&cut, truth);
 }
 
 // Every number of a pose may be the bad one, and its row a ghost row.
@@ -227,7 +225,7 @@ TEST(bad_objects_are_counted_once_and_the_first_is_named)
     fill_poses(&r, N, 3);
     uint32_t n_bad = spoil(&r, N);
     uint32_t first = N - 1 - (n_bad - 1) * (N / n_bad);
-    uint64_t truth = 0;
+    known_pairs truth = {0};
     for (size_t w = 0; w < sizeof ways / sizeof *ways; ++w) {
         set_memory(ways[w].host_a, ways[w].host_b);
         duet_world_def def = world_def(3, ways[w].variant);
@@ -238,8 +236,9 @@ TEST(bad_objects_are_counted_once_and_the_first_is_named)
             duet_result result = step_poses(world, N);
             assert_int_equal(result.bad, n_bad);
             assert_int_equal(result.first_bad, first);
-            truth = w == 0 && s == 0 ? duet_result_get_hash(&result) : truth;
-            assert_int_equal(duet_result_get_hash(&result), truth);
+            if (w == 0 && s == 0)
+                truth = (known_pairs){result.pairs, duet_result_get_hash(&result)};
+            assert_found(&result, truth);
         }
     }
 }
@@ -249,11 +248,8 @@ TEST(a_bad_object_that_is_packed_is_refused_by_its_id)
     enum { N = 2003 };
     duet_result result;
     rng r = {test_seed()};
-    set_memory(false, false);
-    fill_poses(&r, N, 3);
+    duet_world *world = packed_world(&r, N);
     poses[1234].half_extents[1] = -1.0f;
-    duet_world_def def = world_def(3, "gpu send=packed");
-    duet_world *world = make_world(&def);
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
     must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_BAD_OBJECT, "object 1234 of 2003");
 }
@@ -274,8 +270,7 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
         *most = 8192;
         must_fail(duet_world_step(world, &result, ERR), DUET_STATUS_NO_MEMORY, "");
         *most = before;
-        result = step_world(world);
-        assert_int_equal(duet_result_get_hash(&result), poses_hash(N, 3));
+        assert_step_finds(world, poses_pairs(N, 3));
     }
 }
 

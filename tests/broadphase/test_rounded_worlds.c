@@ -60,14 +60,11 @@ static uint64_t true_hash(const scene *s, duet_level level, uint64_t *n)
 static duet_world_def def_of(const scene *s, duet_level level, duet_mode mode, uint32_t share,
                              const char *words)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = s->dims;
+    duet_world_def def = devices_def(s->dims);
     def.shape = s->shape;
     def.rotated = s->rotated;
     def.level = level;
-    def.plan = (duet_plan){.share = share, .mode = mode};
-    set_variants(&def.plan, words);
+    def.plan = plan_of(mode, share, words, words);
     return def;
 }
 
@@ -85,7 +82,7 @@ static void assert_finds_the_reference(const scene *s, duet_level level, duet_mo
     uint64_t n;
     uint64_t expected = true_hash(s, level, &n);
     duet_world_def def = def_of(s, level, mode, share, words);
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     must(set_objects(world, s, ERR));
     must(duet_world_step(world, &result, ERR));
     assert_true(n > OBJECTS / 8);
@@ -176,8 +173,7 @@ TEST(touching_spheres_of_a_lattice_collide)
         spheres[i] = (duet_sphere){
             {(float)(i % EDGE), (float)(i / EDGE % EDGE), (float)(i / EDGE / EDGE)}, 0.5f};
     duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_SPHERES, spheres, N, ERR));
+    duet_world *world = create_world_of(&def, DUET_OBJECT_SPHERES, spheres, N);
     must(duet_world_step(world, &result, ERR));
     assert_int_equal(result.pairs, 3 * EDGE * EDGE * (EDGE - 1));
 }
@@ -192,7 +188,7 @@ TEST(bad_radii_are_named)
     for (int i = 0; i < SCENES; i += 3) {
         fill(&scenes[i], &r);
         duet_world_def def = def_of(&scenes[i], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
-        duet_world *world = kept(duet_world_create(&def, ERR));
+        duet_world *world = create_world(&def);
         for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
             boxes[17].radius = spheres[17].radius = bad[k];
             must(set_objects(world, &scenes[i], ERR));
@@ -222,7 +218,7 @@ TEST(what_knows_no_radii_says_so)
     refuse(other, "the paper's search knows no rounded boxes");
     duet_tree_def tree = duet_default_tree_def();
     tree.pair = devices;
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     must_fail(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, ERR),
               DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, "the world was made for spheres, not for poses");

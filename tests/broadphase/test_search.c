@@ -48,7 +48,7 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
     def.dims = c->dims;
     def.shape = c->shape;
     def.rotated = c->rotated;
-    return kept(duet_world_create(&def, ERR));
+    return create_world(&def);
 }
 
 static void set_objects(duet_world *world, const crowd *c)
@@ -62,12 +62,8 @@ static void set_objects(duet_world *world, const crowd *c)
 static void assert_finds(duet_world *world, const crowd *c, const char *a, const char *b,
                          uint32_t share, duet_mode mode)
 {
-    duet_plan plan = {.share = share, .mode = mode};
-    strcpy(plan.variant_a, a);
-    strcpy(plan.variant_b, b);
-    duet_result result;
-    must(duet_world_set_plan(world, &plan, ERR));
-    must(duet_world_step(world, &result, ERR));
+    duet_plan plan = plan_of(mode, share, a, b);
+    duet_result result = step_by(world, &plan);
     const reference_objects objects = {
         .dims = c->dims, .shape = c->shape, .n = c->n, .poses = c->poses, .bounds = c->bounds};
     uint64_t n_pairs, hash = reference_hash(&objects, REFERENCE_COLUMNS, &n_pairs);
@@ -202,8 +198,4 @@ TEST(parts_agree_where_a_cell_is_cut)
     duet_device_pair_destroy(pair);
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    return test_run(open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

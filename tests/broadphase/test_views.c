@@ -37,10 +37,8 @@ static void fill_set(rng *r, int s, uint32_t n)
             sets[s].bounds[i].upper[k] = pose->centre[k] + 1.0f;
         }
     }
-    sets[s].hashes[0] =
-        true_hash_of(duet_scene_create(DUET_OBJECT_POSES, sets[s].poses, n, 3, 0, NULL));
-    sets[s].hashes[1] =
-        true_hash_of(duet_scene_create(DUET_OBJECT_BOUNDS, sets[s].bounds, n, 3, 0, NULL));
+    sets[s].hashes[0] = known_pairs_of(DUET_OBJECT_POSES, sets[s].poses, n, 3).hash;
+    sets[s].hashes[1] = known_pairs_of(DUET_OBJECT_BOUNDS, sets[s].bounds, n, 3).hash;
 }
 
 static const void *rows_of(const duet_world *world, int s)
@@ -118,13 +116,12 @@ enum { PLANS = sizeof plans / sizeof *plans };
 
 static duet_world *make_world(duet_shape shape, bool ordered)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     def.shape = shape;
     def.rotated = shape == DUET_SHAPE_POSES;
     def.ordered = ordered;
     def.stage_times = true;
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     world->parts[0].least_chunk = world->parts[1].least_chunk = 1;
     world->lists.least_chunk = 64;
     return world;
@@ -133,9 +130,8 @@ static duet_world *make_world(duet_shape shape, bool ordered)
 static void set_plan(duet_world *world, rng *r, uint32_t p)
 {
     static const uint32_t shares[] = {0, DUET_SHARE_ONE / 3, DUET_SHARE_ONE / 2, DUET_SHARE_ONE};
-    duet_plan plan = {.mode = plans[p].mode, .share = shares[rng_below(r, 4)]};
-    strcpy(plan.variant_a, plans[p].variants[0]);
-    strcpy(plan.variant_b, plans[p].variants[1]);
+    duet_plan plan =
+        plan_of(plans[p].mode, shares[rng_below(r, 4)], plans[p].variants[0], plans[p].variants[1]);
     must(duet_world_set_plan(world, &plan, ERR));
 }
 

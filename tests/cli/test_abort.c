@@ -15,7 +15,6 @@
 #include "support/store.h"
 
 #include <CL/cl.h>
-#include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -204,11 +203,10 @@ TEST(an_output_is_the_old_one_or_the_new_one)
     int k = 1;
     bool was_new = false;
     for (bool ended = true; ended; ++k) {
-        own(text) found = {0};
         enter_folder();
         test_write_file(path, "old");
         ended = ends_at(k, &calls_left, write_output);
-        must(text_read_file(&found, path, ERR));
+        text found = test_read_file(path);
         bool is_new = found.length == sizeof new_content &&
                       memcmp(found.chars, new_content, found.length) == 0;
         assert_true(is_new || strcmp(found.chars, "old") == 0);
@@ -418,8 +416,5 @@ TEST(a_driver_that_aborts_leaves_nothing_half_done)
     assert_true(!ended && n_ended > 3);
 }
 
-int main(void)
-{
-    test_each(make_folder, remove_folder);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(make_folder, remove_folder)
+TEST_MAIN(NULL, NULL)

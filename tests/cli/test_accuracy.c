@@ -2,7 +2,6 @@
 // duet accuracy, as a person calls it.
 #include "support/devices.h"
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #include "base/text.h"
@@ -45,29 +44,21 @@ static int make_scene(void **state)
     return 0;
 }
 
-static double number_of(const cJSON *o, const char *key)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
-    if (!cJSON_IsNumber(item))
-        fail_msg("no number '%s'", key);
-    return item->valuedouble;
-}
-
 static void assert_row_is_what_its_level_promises(const cJSON *row, double truth)
 {
-    const char *name = cJSON_GetObjectItemCaseSensitive(row, "level")->valuestring;
+    const char *name = json_string(row, "level");
     duet_level level;
     assert_true(duet_level_from_name(name, &level));
     const duet_level_info *info = duet_level_get_info(level);
-    double missed = number_of(row, "missed"), added = number_of(row, "false");
-    assert_true(number_of(row, "pairs") == truth - missed + added);
-    assert_true(number_of(row, "step_ms") > 0);
+    double missed = json_number(row, "missed"), added = json_number(row, "false");
+    assert_true(json_number(row, "pairs") == truth - missed + added);
+    assert_true(json_number(row, "step_ms") > 0);
     if (info->missed == 0)
         assert_true(missed == 0);
     if (info->added == 0)
         assert_true(added == 0);
     if (level == DUET_LEVEL_AABB || level == DUET_LEVEL_SPHERE || level == DUET_LEVEL_SAT6)
-        assert_true(added > 0 && number_of(row, "widest_false") > 0);
+        assert_true(added > 0 && json_number(row, "widest_false") > 0);
 }
 
 TEST(each_levels_cost_is_told_for_each_device)
@@ -75,14 +66,14 @@ TEST(each_levels_cost_is_told_for_each_device)
     program p = program_done(
         program_run("accuracy --json --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE));
     cJSON *o = json_of(p.out);
-    const cJSON *levels = cJSON_GetObjectItemCaseSensitive(o, "levels");
+    const cJSON *levels = json_field(o, "levels");
     assert_int_equal(cJSON_GetArraySize(levels), (devices_are_two() ? 2 : 1) * DUET_LEVELS);
     const cJSON *row;
     bool front = false;
     cJSON_ArrayForEach(row, levels)
     {
-        assert_row_is_what_its_level_promises(row, number_of(o, "pairs"));
-        front |= cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "front"));
+        assert_row_is_what_its_level_promises(row, json_number(o, "pairs"));
+        front |= json_true(row, "front");
     }
     assert_true(front);
 }
@@ -104,20 +95,19 @@ TEST(a_difference_from_sat15_is_noise_or_not)
         program p = program_run("accuracy --json --repeat %d " SCENE, rounds[i]);
         cJSON *o = json_of(p.out);
         const cJSON *row;
-        cJSON_ArrayForEach(row, cJSON_GetObjectItemCaseSensitive(o, "levels"))
+        cJSON_ArrayForEach(row, json_field(o, "levels"))
         {
             const cJSON *high = cJSON_GetObjectItemCaseSensitive(row, "relative_high");
-            double low = number_of(row, "relative_low"), relative = number_of(row, "relative");
-            bool same = cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(row, "same"));
-            const cJSON *level = cJSON_GetObjectItemCaseSensitive(row, "level");
-            bool is_sat15 = strcmp(level->valuestring, "sat15") == 0;
+            double low = json_number(row, "relative_low"), relative = json_number(row, "relative");
+            bool same = json_true(row, "same");
+            bool is_sat15 = strcmp(json_string(row, "level"), "sat15") == 0;
             assert_true((high != NULL) == (rounds[i] == 7));
             assert_true(low <= relative && (!high || relative <= high->valuedouble));
             assert_true(is_sat15 || same == (low <= 1 && (!high || high->valuedouble >= 1)));
         }
     }
     program p = program_run("accuracy --repeat 1 " SCENE);
-    assert_non_null(strstr(p.out, "Fewer than 6 rounds tell no difference from noise"));
+    assert_says(p.out, "Fewer than 6 rounds tell no difference from noise");
 }
 
 TEST(the_table_and_the_plot_name_every_level)
@@ -126,9 +116,9 @@ TEST(the_table_and_the_plot_name_every_level)
     program p =
         program_done(program_run("accuracy --repeat 1 --csv " TABLE " --plot " PLOT " " SCENE));
     for (int l = 0; l < DUET_LEVELS; ++l)
-        assert_non_null(strstr(p.out, duet_level_get_info((duet_level)l)->name));
+        assert_says(p.out, duet_level_get_info((duet_level)l)->name);
     for (int f = 0; f < 2; ++f) {
-        own(text) content = test_read_file(files[f]);
+        const text content = test_read_file(files[f]);
         assert_true(content.length > 200);
     }
 }
@@ -137,15 +127,14 @@ TEST(a_plot_of_another_kind_is_refused)
 {
     program p = program_run("accuracy --repeat 1 --plot plot.gif " SCENE);
     assert_int_equal(p.exit_code, 2);
-    assert_non_null(strstr(p.err, ".svg"));
+    assert_says(p.err, ".svg");
 }
 
 // ---------------------------------------------------------------- what moves
 
 static cJSON *measure(const char *arguments)
 {
-    program p = program_done(program_run("accuracy --json %s", arguments));
-    return json_of(p.out);
+    return json_of_run("accuracy --json %s", arguments);
 }
 
 // The error of a row of free flight.
@@ -154,10 +143,10 @@ static double error_at(const cJSON *timesteps, const char *integrator, double pe
     const cJSON *row;
     cJSON_ArrayForEach(row, timesteps)
     {
-        double dt = number_of(row, "dt");
-        const char *name = cJSON_GetObjectItemCaseSensitive(row, "integrator")->valuestring;
+        double dt = json_number(row, "dt");
+        const char *name = json_string(row, "integrator");
         if (strcmp(name, integrator) == 0 && dt * per_second > 0.99 && dt * per_second < 1.01)
-            return number_of(row, "error");
+            return json_number(row, "error");
     }
     fail_msg("no row of %s at dt 1/%g", integrator, per_second);
     return 0;
@@ -175,7 +164,7 @@ static int count_true(const cJSON *rows, const char *key)
 TEST(flights_compare_integrators)
 {
     cJSON *o = measure("--csv " TABLE " --plot " PLOT " " ORBIT);
-    const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
+    const cJSON *timesteps = json_field(o, "timesteps");
     assert_int_equal(cJSON_GetArraySize(timesteps), 12);
     static const struct {
         const char *integrator;
@@ -195,25 +184,25 @@ TEST(flights_compare_integrators)
 TEST(contacts_compare_dt_and_substeps)
 {
     cJSON *o = measure("--time 0.5 " STACK);
-    const cJSON *timesteps = cJSON_GetObjectItemCaseSensitive(o, "timesteps");
+    const cJSON *timesteps = json_field(o, "timesteps");
     assert_int_equal(cJSON_GetArraySize(timesteps), 16);
     assert_int_equal(count_true(timesteps, "own"), 1);
     assert_int_equal(count_true(timesteps, "finite"), 16);
-    double coarse = number_of(cJSON_GetArrayItem(timesteps, 0), "depth");
-    double fine = number_of(cJSON_GetArrayItem(timesteps, 15), "depth");
+    double coarse = json_number(cJSON_GetArrayItem(timesteps, 0), "depth");
+    double fine = json_number(cJSON_GetArrayItem(timesteps, 15), "depth");
     assert_true(coarse > fine && fine > 0);
 }
 
 TEST(a_limit_ends_it_after_a_run)
 {
     program p = program_done(program_run("accuracy --limit 0 --time 0.1 " STACK));
-    assert_non_null(strstr(p.out, "15 dearer ones were not begun"));
+    assert_says(p.out, "15 dearer ones were not begun");
 }
 
 TEST(still_asks_for_levels_of_what_moves)
 {
     cJSON *o = measure("--still --repeat 1 " STACK);
-    assert_non_null(cJSON_GetObjectItemCaseSensitive(o, "levels"));
+    assert_non_null(json_field(o, "levels"));
 }
 
 TEST_MAIN(make_scene, NULL)

@@ -7,7 +7,6 @@
 
 #include "base/text_file.h"
 #include "support/kernels.h"
-#include "support/program.h"
 
 #include <unistd.h>
 
@@ -15,7 +14,7 @@
 
 static void assert_file_holds(const char *path, const char *chars)
 {
-    own(text) t = test_read_file(path);
+    const text t = test_read_file(path);
     assert_string_equal(text_chars(&t), chars);
 }
 
@@ -97,10 +96,7 @@ TEST(a_wrong_option_is_wrong_usage)
 // By whatever name it is called, and before it is read: it is no scene.
 TEST(an_output_that_would_replace_what_is_read_is_refused)
 {
-    static const struct {
-        const char *arguments;
-        const char *says;
-    } wrong[] = {
+    static const refusal wrong[] = {
         {"run in.csv --pairs in.csv", "duet run: --pairs in.csv would overwrite what is read"},
         {"run in.csv --pairs ./in.csv", "--pairs ./in.csv would overwrite what is read"},
         {"run link.csv --pairs in.csv", "--pairs in.csv would overwrite what is read"},
@@ -120,17 +116,10 @@ TEST(an_output_that_would_replace_what_is_read_is_refused)
     test_write_file("in.csv", "no scene");
     assert_int_equal(symlink("in.csv", "link.csv"), 0);
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        program_assert_refused(program_run("%s", wrong[i].arguments), 2, wrong[i].says);
+        program_assert_refused(program_run("%s", wrong[i].given), 2, wrong[i].says);
         assert_file_holds("in.csv", "no scene");
         assert_int_not_equal(access("out", F_OK), 0);
     }
-}
-
-static double number_in(const cJSON *object, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
-    assert_true(cJSON_IsNumber(item));
-    return item->valuedouble;
 }
 
 TEST(none_and_one_and_two_objects_are_no_error)
@@ -143,8 +132,8 @@ TEST(none_and_one_and_two_objects_are_no_error)
         assert_string_equal(p.err,
                             n == 0 ? "duet: note: test_bad_input: there are no objects\n" : "");
         cJSON *report = json_of(p.out);
-        assert_int_equal(number_in(report, "objects"), n);
-        assert_int_equal(number_in(report, "pairs"), n == 2);
+        assert_int_equal(json_number(report, "objects"), n);
+        assert_int_equal(json_number(report, "pairs"), n == 2);
         assert_file_holds(OUT, n == 2 ? "0,1\n" : "");
         remove(OUT);
     }

@@ -2,7 +2,6 @@
 // duet run --checkpoint and --resume: a run that is killed, at any moment, goes on bit for bit.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #include "base/clock.h"
@@ -90,7 +89,7 @@ TEST(a_checkpoint_that_is_cut_short_is_refused)
     double steps;
     rng r = rng_seed(test_seed());
     get_hash("run " SCENE " --steps 10 --json --every 10 --checkpoint " SAVED, hash, &steps);
-    own(text) file = test_read_file(SAVED);
+    const text file = test_read_file(SAVED);
     for (int i = 0; i < 3; ++i) {
         size_t length = 16 + rng_below(&r, (uint32_t)file.length - 16);
         must(text_write_file("cut.motion", file.chars, length, ERR));

@@ -1,33 +1,24 @@
 // SPDX-License-Identifier: MIT
 // duet explain of still scenes, as a person calls it.
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 // The lines about device B, which does all the work.
 static cJSON *explain(const char *arguments)
 {
-    program p = program_done(program_run("explain %s --share 0 --json", arguments));
-    cJSON *o = json_of(p.out);
-    cJSON *search = cJSON_GetObjectItemCaseSensitive(o, "search");
+    cJSON *o = json_of_run("explain %s --share 0 --json", arguments);
+    const cJSON *search = json_field(o, "search");
     assert_int_equal(cJSON_GetArraySize(search), 1);
     return cJSON_GetArrayItem(search, 0);
-}
-
-static const char *string_of(const cJSON *o, const char *name)
-{
-    const char *chars = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, name));
-    assert_non_null(chars);
-    return chars;
 }
 
 static int value_of(const cJSON *b, const char *parameter)
 {
     const cJSON *fact = NULL;
-    cJSON_ArrayForEach(fact, cJSON_GetObjectItemCaseSensitive(b, "facts"))
+    cJSON_ArrayForEach(fact, json_field(b, "facts"))
     {
-        if (strcmp(string_of(fact, "parameter"), parameter) == 0)
-            return (int)cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(fact, "value"));
+        if (strcmp(json_string(fact, "parameter"), parameter) == 0)
+            return (int)json_number(fact, "value");
     }
     fail_msg("nothing is told of %s", parameter);
     return -1;
@@ -39,9 +30,9 @@ static const cJSON *kernel_of(const cJSON *b, const char *name)
     const cJSON *found = NULL;
     const cJSON *k = NULL;
     size_t length = strlen(name);
-    cJSON_ArrayForEach(k, cJSON_GetObjectItemCaseSensitive(b, "kernels"))
+    cJSON_ArrayForEach(k, json_field(b, "kernels"))
     {
-        const char *its = string_of(k, "name");
+        const char *its = json_string(k, "name");
         if (strncmp(its, name, length) != 0 || (its[length] && its[length] != '.'))
             continue;
         assert_null(found);
@@ -53,7 +44,7 @@ static const cJSON *kernel_of(const cJSON *b, const char *name)
 
 static bool runs(const cJSON *b, const char *name)
 {
-    return cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(kernel_of(b, name), "runs"));
+    return json_true(kernel_of(b, name), "runs");
 }
 
 static const char *scene(const char *file)
@@ -117,7 +108,7 @@ TEST(bounds_that_overlap_are_the_answer)
 {
     cJSON *b = explain_paper("--level aabb");
     assert_false(runs(b, "narrow_simd"));
-    assert_string_equal(string_of(kernel_of(b, "narrow_simd"), "why"),
+    assert_string_equal(json_string(kernel_of(b, "narrow_simd"), "why"),
                         "bounds that overlap are the answer");
 }
 
@@ -125,26 +116,23 @@ TEST(a_still_scene_is_told_as_text)
 {
     program p =
         program_done(program_run("explain %s -n 500 --share 0 --variant simd", scene("paper.lua")));
-    assert_non_null(strstr(p.out, "ROTATED=1"));
-    assert_non_null(strstr(p.out, "\nruns "));
-    assert_non_null(strstr(p.out, "\nleft out  "));
+    assert_says(p.out, "ROTATED=1", "\nruns ", "\nleft out  ");
     assert_string_not_equal(p.out + strlen(p.out) - 2, "\n\n");
 }
 
 TEST(a_scene_that_moves_is_told_by_its_effects)
 {
     program p = program_done(program_run("explain %s -n 50", scene("falling.lua")));
-    assert_non_null(strstr(p.out, "gravity"));
+    assert_says(p.out, "gravity");
     assert_null(strstr(p.out, "pair_search_simd"));
-    assert_non_null(strstr(p.out, "\n4 substeps a step, chosen: nothing stands"));
+    assert_says(p.out, "\n4 substeps a step, chosen: nothing stands");
     test_write_file("stack.lua",
                     "for i = 1, 50 do add { centre = { 0, 0, i - 0.5 }, half_extents = "
                     "{ .5, .5, .5 } } end\n"
                     "return { dims = 3, gravity = { 0, 0, -9.81 }, "
                     "wants = { 'contact_response' } }\n");
     p = program_done(program_run("explain stack.lua"));
-    assert_non_null(
-        strstr(p.out, "\n6 substeps a step, chosen: they hold the column of 50 bodies"));
+    assert_says(p.out, "\n6 substeps a step, chosen: they hold the column of 50 bodies");
 }
 
 TEST(what_is_wrong_with_a_plan_is_one_line)

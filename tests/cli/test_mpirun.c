@@ -8,7 +8,6 @@
 #include "base/text_file.h"
 
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 
 // Bytes of rank 0: all ranks are there, and all have stopped.
@@ -92,7 +91,6 @@ TEST(mpirun_that_hears_no_signal_does_not_stay)
     assert_string_equal(p.err, "duet: stopped\n");
     assert_true(atol(pid.chars) > 0);
     assert_int_equal(kill((pid_t)atol(pid.chars), 0), -1);
-    text_free(&pid);
 }
 
 // mpirun says less unless a person asks for it.

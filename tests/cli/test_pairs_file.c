@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Files of pairs: read, tested by `duet query`, and what it writes.
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #include "base/npy.h"
@@ -65,9 +64,7 @@ TEST(doubles_are_rounded_to_the_nearest_float_and_floats_are_kept)
 
 TEST(wrong_files_are_refused_with_pair_and_pose)
 {
-    static const struct {
-        const char *text, *says;
-    } wrong[] = {
+    static const refusal wrong[] = {
         {TOUCHING "0 0 0 1 1 1 0 0 0 1  0 0 0 1 -1 1 0 0 0 1\n",
          "pairs.csv:2: pair 1, second pose: hy = -1 is negative; a half extent is 0 or more"},
         {"nan 0 0 1 1 1 0 0 0 1  0 0 0 1 1 1 0 0 0 1\n",
@@ -81,7 +78,7 @@ TEST(wrong_files_are_refused_with_pair_and_pose)
          "pairs.csv:2: pair 1 has 10 numbers, where those before it have 20"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        test_write_file("pairs.csv", wrong[i].text);
+        test_write_file("pairs.csv", wrong[i].given);
         must_fail(duet_scene_load_pairs("pairs.csv", ERR), ANY_FAILURE, "");
         assert_string_equal(ERR->text, wrong[i].says);
     }
@@ -118,13 +115,11 @@ TEST(arrays_are_written_as_numpy_reads_them)
     assert_memory_equal(bytes.chars + 10, literal, sizeof literal - 1);
     assert_int_equal(bytes.chars[127], '\n');
     assert_memory_equal(bytes.chars + 128, answers, 3);
-    text_free(&bytes);
     const double separations[2] = {0.5, -1e300};
     must(npy_write("answers.npy", NPY_FLOAT64, separations, 2, ERR));
-    must(text_read_file(&bytes, "answers.npy", ERR));
-    assert_int_equal(bytes.length, 128 + 16);
-    assert_memory_equal(bytes.chars + 128, separations, 16);
-    text_free(&bytes);
+    const text again = test_read_file("answers.npy");
+    assert_int_equal(again.length, 128 + 16);
+    assert_memory_equal(again.chars + 128, separations, 16);
     remove("answers.npy");
     must_fail(npy_write("no/such/folder/v.npy", NPY_UINT8, answers, 3, ERR), DUET_STATUS_IO_FAILED,
               "no/such/folder/v.npy: cannot be written");
@@ -134,37 +129,26 @@ TEST(arrays_are_written_as_numpy_reads_them)
 
 #define CACHED "DUET_CACHE=test_pairs.cache" // many runs, few kernels
 
-static double number_in(const cJSON *o, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, name);
-    assert_true(cJSON_IsNumber(item));
-    return item->valuedouble;
-}
-
 TEST(the_program_tests_a_file_at_every_level)
 {
     test_write_file("pairs.csv", TOUCHING APART TOUCHING);
     for (int l = 0; l < DUET_LEVELS; ++l) {
-        program p =
-            program_done(program_run_with(CACHED, "query pairs.csv --json --share 1/3 --level %s",
-                                          duet_level_get_info((duet_level)l)->name));
-        assert_string_equal(p.err, "");
-        cJSON *o = json_of(p.out);
-        assert_true(number_in(o, "n") == 3 && number_in(o, "colliding") == 2);
-        assert_true(number_in(o, "undecided") == (l == DUET_LEVEL_CERTIFIED ? 2 : 0));
-        assert_true(number_in(o, "seconds") >= 0);
+        cJSON *o = json_of_run_with(CACHED, "query pairs.csv --json --share 1/3 --level %s",
+                                    duet_level_get_info((duet_level)l)->name);
+        assert_true(json_number(o, "n") == 3 && json_number(o, "colliding") == 2);
+        assert_true(json_number(o, "undecided") == (l == DUET_LEVEL_CERTIFIED ? 2 : 0));
+        assert_true(json_number(o, "seconds") >= 0);
     }
 }
 
 static void assert_file(const char *path, const char *expected)
 {
-    own(text) bytes = test_read_file(path);
+    const text bytes = test_read_file(path);
     assert_string_equal(text_chars(&bytes), expected);
 }
 
 TEST(the_program_writes_answers_and_separations)
 {
-    text bytes = {0};
     test_write_file("pairs.csv", TOUCHING APART);
     static const char *const outs[] = {"answers.csv", "answers.npy"};
     for (int i = 0; i < 2; ++i) {
@@ -173,12 +157,9 @@ TEST(the_program_writes_answers_and_separations)
         assert_string_equal(p.err, "");
     }
     assert_file("answers.csv", "1,0\n0,1\n");
-    must(text_read_file(&bytes, "answers.npy", ERR));
-    assert_memory_equal(bytes.chars + 128, "\1\0", 2);
-    text_free(&bytes);
-    must(text_read_file(&bytes, "answers.separations.npy", ERR));
-    assert_memory_equal(bytes.chars + 128, ((const double[2]){0, 1}), 16);
-    text_free(&bytes);
+    assert_memory_equal(test_read_file("answers.npy").chars + 128, "\1\0", 2);
+    const text separations = test_read_file("answers.separations.npy");
+    assert_memory_equal(separations.chars + 128, ((const double[2]){0, 1}), 16);
 }
 
 TEST(wrong_usage_is_told)

@@ -101,7 +101,7 @@ TEST(a_bar_shows_the_scale)
 {
     write_scene("0 0 1 1\n");
     own(text) svg = draw(SVG, "");
-    assert_non_null(strstr(svg.chars, "M24908L110908"));
+    assert_says(svg.chars, "M24908L110908");
 }
 
 TEST(a_png_has_the_asked_width)
@@ -125,7 +125,7 @@ TEST(extreme_scenes_are_drawn)
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i) {
         write_scene(scenes[i]);
         own(text) svg = draw(SVG, "");
-        assert_non_null(strstr(svg.chars, "</svg>"));
+        assert_says(svg.chars, "</svg>");
         if (strstr(svg.chars, "nan") || strstr(svg.chars, "inf"))
             fail_msg("a place of scene %zu is no number", i);
     }

@@ -4,7 +4,6 @@
 #include "support/store.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
 #include "profiles/sql.h"
 
 #define PAGE "test_report.html"
@@ -55,19 +54,17 @@ static int make_store(void **state)
 
 static text make_page(void)
 {
-    text page = {0};
     program p =
         program_run("report --profile %s -o " PAGE " " RESULTS " " RESULTS " " LEVELS " " EFFECTS,
                     folder.store);
     if (p.exit_code != 0)
         fail_msg("%s", p.err);
-    must(text_read_file(&page, PAGE, ERR));
-    return page;
+    return test_read_file(PAGE);
 }
 
 TEST(the_page_shows_profile_search_stages_and_history)
 {
-    own(text) page = make_page();
+    const text page = make_page();
     static const char *const has[] = {"100 000 objects",
                                       "<h2>Searches</h2>",
                                       "share of A",
@@ -85,10 +82,9 @@ TEST(the_page_shows_profile_search_stages_and_history)
                                       "data-head=\"gain, %\"",
                                       "data-head=\"waited, %\">75<",
                                       "<h2>What the words mean</h2>",
-                                      "1.25 ms</text>"};
-    for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
-        if (!strstr(page.chars, has[i]))
-            fail_msg("'%s' is not on the page", has[i]);
+                                      "1.25 ms</text>",
+                                      NULL};
+    assert_says_all(page.chars, has);
     assert_null(strstr(page.chars, ">drag<"));
 }
 
@@ -109,16 +105,14 @@ TEST(of_one_device_the_page_shows_no_share)
                                       "s, 9 objects: the fastest step takes 2 ms.",
                                       "the exact step takes 1.5 ms; no other",
                                       "gpu: 2.000 ms",
-                                      "5 pairs; x:0"};
+                                      "5 pairs; x:0",
+                                      NULL};
     static const char *const lacks[] = {"no work", "Standard set: shares",  "A: x:0",
                                         "B: x:0",  "Standard set: history", "What became of"};
-    own(text) page = {0};
     test_write_file(RESULTS, results);
     program_done(program_run("report --profile %s -o " PAGE " " RESULTS, folder.store));
-    must(text_read_file(&page, PAGE, ERR));
-    for (size_t i = 0; i < sizeof has / sizeof has[0]; ++i)
-        if (!strstr(page.chars, has[i]))
-            fail_msg("'%s' is not on the page", has[i]);
+    text page = test_read_file(PAGE);
+    assert_says_all(page.chars, has);
     for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; ++i)
         if (strstr(page.chars, lacks[i]))
             fail_msg("'%s' is on the page", lacks[i]);
@@ -127,17 +121,16 @@ TEST(of_one_device_the_page_shows_no_share)
 // Gives what the page says of its only profile, from the share on; the caller frees it.
 static text profile_row_of(double share)
 {
-    text page = {0}, row = {0}, change = {0};
+    own(text) change = {0};
+    text row = {0};
     text_add(&change, "UPDATE profile SET share = %d, verdict = 'slower', gain = -0.2611",
              (int)(share * 65536));
     test_store_run(folder.store, text_chars(&change));
     program_done(program_run("report --profile %s -o " PAGE, folder.store));
-    must(text_read_file(&page, PAGE, ERR));
+    const text page = test_read_file(PAGE);
     const char *from = strstr(page.chars, "data-head=\"share of A\"");
     assert_non_null(from);
     text_add_bytes(&row, from, (size_t)(strstr(from, "</tr>") - from));
-    text_free(&page);
-    text_free(&change);
     return row;
 }
 
@@ -146,14 +139,12 @@ TEST(a_plan_of_one_device_has_no_gain_and_no_verdict)
     static const char *const plans[] = {"B alone", "A alone"};
     for (int share = 0; share < 2; ++share) {
         own(text) row = profile_row_of(share);
-        assert_non_null(strstr(row.chars, plans[share]));
+        assert_says(row.chars, plans[share]);
         assert_null(strstr(row.chars, "-26.1"));
         assert_null(strstr(row.chars, "slower"));
     }
     own(text) shared = profile_row_of(0.5);
-    assert_non_null(strstr(shared.chars, "50.0 %"));
-    assert_non_null(strstr(shared.chars, "-26.1"));
-    assert_non_null(strstr(shared.chars, "slower"));
+    assert_says(shared.chars, "50.0 %", "-26.1", "slower");
 }
 
 TEST(a_page_without_a_name_is_told_of)
@@ -166,7 +157,6 @@ TEST(a_page_without_a_name_is_told_of)
 TEST(one_slow_step_does_not_flatten_the_others)
 {
     own(text) results = {0};
-    own(text) page = {0};
     text_add(&results, "{\"type\":\"duet bench\",\"version\":1,\"duet\":\"1.0.0\",\"time\":"
                        "\"then\",\"devices\":[{},{}],\"cases\":[");
     for (int i = 0; i < 5; ++i)
@@ -179,14 +169,14 @@ TEST(one_slow_step_does_not_flatten_the_others)
     text_add(&results, "]}");
     test_write_file(RESULTS, text_chars(&results));
     program_done(program_run("report --profile %s -o " PAGE " " RESULTS, folder.store));
-    must(text_read_file(&page, PAGE, ERR));
-    assert_non_null(strstr(page.chars, "1 above, up to 700 ms"));
-    assert_non_null(strstr(page.chars, ">1.5</text>")); // a tick of an axis that ends near 2
+    const text page = test_read_file(PAGE);
+    assert_says(page.chars, "1 above, up to 700 ms",
+                ">1.5</text>"); // a tick of an axis that ends near 2
 }
 
 TEST(the_page_loads_nothing)
 {
-    own(text) page = make_page();
+    const text page = make_page();
     static const char *const outside[] = {"http:", "https:", "url(", "src=", "<script", "@import"};
     for (size_t i = 0; i < sizeof outside / sizeof outside[0]; ++i)
         if (strstr(page.chars, outside[i]))
@@ -195,9 +185,9 @@ TEST(the_page_loads_nothing)
 
 TEST(names_are_words_and_no_markup)
 {
-    own(text) page = make_page();
+    const text page = make_page();
     assert_null(strstr(page.chars, "<b>"));
-    assert_non_null(strstr(page.chars, "&lt;b&gt;boxes&lt;/b&gt; &amp; more"));
+    assert_says(page.chars, "&lt;b&gt;boxes&lt;/b&gt; &amp; more");
 }
 
 TEST(what_cannot_be_read_or_written_is_one_line)

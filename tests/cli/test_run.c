@@ -42,9 +42,9 @@ TEST(json_has_what_a_script_needs)
     assert_true(json_number(o, "total_ms") > 0);
     assert_int_equal(json_number(o, "repeat"), 3);
     assert_true(json_number(o, "bytes_a") > 0 && json_number(o, "bytes_b") > 0);
-    const cJSON *check = cJSON_GetObjectItemCaseSensitive(o, "check");
-    assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(check, "right")));
-    const cJSON *stages = cJSON_GetObjectItemCaseSensitive(o, "stages");
+    const cJSON *check = json_field(o, "check");
+    assert_true(json_true(check, "right"));
+    const cJSON *stages = json_field(o, "stages");
     assert_true(cJSON_GetArraySize(stages) > 0);
     const cJSON *stage = NULL;
     cJSON_ArrayForEach(stage, stages)
@@ -101,7 +101,7 @@ TEST(one_pair_is_no_pairs)
 {
     program p =
         program_run_with("printf '0,0,0,1,1,1\\n1,1,1,2,2,2\\n' |", "run - --repeat 1 --check");
-    assert_non_null(strstr(p.out, "check: the same 1 pair as the plain C reference\n"));
+    assert_says(p.out, "check: the same 1 pair as the plain C reference\n");
 }
 
 TEST(an_accuracy_that_no_profile_knows_is_told_of)
@@ -109,7 +109,7 @@ TEST(an_accuracy_that_no_profile_knows_is_told_of)
     static const char *const plans[] = {"", "--share 0"};
     for (size_t i = 0; i < sizeof plans / sizeof *plans; ++i) {
         program p = program_run("run " SCENE " --repeat 1 --missed 1 %s", plans[i]);
-        assert_non_null(strstr(p.out, "\nlevel: certified, since no profile says that a cheaper"));
+        assert_says(p.out, "\nlevel: certified, since no profile says that a cheaper");
     }
     program p = program_run("run " SCENE " --repeat 1");
     assert_null(strstr(p.out, "level: certified, since"));
@@ -118,7 +118,7 @@ TEST(an_accuracy_that_no_profile_knows_is_told_of)
 TEST(the_pairs_file_holds_each_pair_once_ascending)
 {
     cJSON *o = json_of_run("run --json " SCENE " --pairs test_run.csv --repeat 1 --share 0.5");
-    own(text) t = test_read_file("test_run.csv");
+    const text t = test_read_file("test_run.csv");
     uint64_t n = 0;
     uint64_t last = 0;
     duet_pair *pairs = test_alloc(t.length * sizeof *pairs);
@@ -140,31 +140,27 @@ TEST(the_pairs_file_holds_each_pair_once_ascending)
 TEST(objects_in_order_keep_the_ids_of_the_scene)
 {
     static const char *const orders[] = {"", "--ordered --mode slab"};
-    text lines[2] = {{0}};
+    text lines[2];
     cJSON *o[2];
     for (int i = 0; i < 2; ++i) {
         o[i] = json_of_run("run --json " SCENE
                            " --pairs test_run.csv --check --repeat 2 --share 0.5 %s",
                            orders[i]);
-        must(text_read_file(&lines[i], "test_run.csv", ERR));
-        assert_int_equal(cJSON_IsTrue(cJSON_GetObjectItem(o[i], "ordered")), i);
+        lines[i] = test_read_file("test_run.csv");
+        assert_int_equal(json_true(o[i], "ordered"), i);
     }
     assert_string_equal(lines[0].chars, lines[1].chars);
     assert_string_equal(json_string(o[0], "hash"), json_string(o[1], "hash"));
-    for (int i = 0; i < 2; ++i) {
-        text_free(&lines[i]);
-    }
 }
 
 TEST(text_names_devices_stages_and_pairs)
 {
     program p = program_done(program_run("run %s --repeat 2", SCENE));
     bool two = devices_are_two();
-    const char *const says[] = {"400",  two ? "A ms" : " ms", two ? "B ms" : "on  ", "candidates",
-                                "hash", "median of 2"};
-    for (size_t i = 0; i < sizeof says / sizeof says[0]; ++i)
-        if (!strstr(p.out, says[i]))
-            fail_msg("'%s' is missing in\n%s", says[i], p.out);
+    const char *const says[] = {
+        "400", two ? "A ms" : " ms", two ? "B ms" : "on  ", "candidates", "hash", "median of 2",
+        NULL};
+    assert_says_all(p.out, says);
 }
 
 // Stages of one device's queue follow each other, and all of them lie within the step.
@@ -172,7 +168,7 @@ static void check_stage_times(const cJSON *o)
 {
     double ends[2] = {0, 0};
     const cJSON *stage = NULL;
-    cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(o, "stages"))
+    cJSON_ArrayForEach(stage, json_field(o, "stages"))
     {
         double begin = json_number(stage, "begin_ms"), end = json_number(stage, "end_ms");
         int device = json_string(stage, "device")[0] - 'A';
@@ -180,7 +176,7 @@ static void check_stage_times(const cJSON *o)
             continue;
         assert_true(begin >= 0 && begin < end && end <= json_number(o, "total_ms") + 0.05);
         assert_true(json_number(stage, "ms") <= end - begin + 1e-6);
-        if (!cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(stage, "transfer"))) {
+        if (!json_true(stage, "transfer")) {
             assert_true(end > ends[device] - 0.05); // host and device have clocks of their own
             ends[device] = end;
         }
@@ -193,11 +189,10 @@ TEST(timeline_shows_each_stage_where_it_was)
     cJSON *o = json_of_run("run --json " SCENE
                            " --share 1/4 --mode own --repeat 3 --timeline test_run.svg");
     check_stage_times(o);
-    text svg = {0};
-    assert_true(text_read_file(&svg, "test_run.svg", NULL));
+    const text svg = test_read_file("test_run.svg");
     assert_memory_equal(svg.chars, "<svg ", 5);
     const cJSON *stage = NULL;
-    cJSON_ArrayForEach(stage, cJSON_GetObjectItemCaseSensitive(o, "stages"))
+    cJSON_ArrayForEach(stage, json_field(o, "stages"))
     {
         char bar[200];
         snprintf(bar, sizeof bar, "<title>%s: %.3f ms, from %.3f to %.3f</title>",
@@ -205,7 +200,6 @@ TEST(timeline_shows_each_stage_where_it_was)
                  json_number(stage, "begin_ms"), json_number(stage, "end_ms"));
         assert_true(json_number(stage, "end_ms") == 0 || strstr(svg.chars, bar));
     }
-    text_free(&svg);
     program_assert_refused(program_run("run %s --steps 2 --timeline test_run.svg", SCENE), 2,
                            "--timeline");
     program p = program_done(program_run("run %s --repeat 1 --timeline -", SCENE));
@@ -273,6 +267,21 @@ TEST(a_level_is_compared_with_its_own_reference)
     }
     assert_true(found[DUET_LEVEL_AABB] > found[DUET_LEVEL_SAT6]);
     assert_true(found[DUET_LEVEL_SAT6] > found[DUET_LEVEL_CERTIFIED]);
+}
+
+// One rank of a job says so, and no other is in its way.
+TEST(run_is_refused_in_a_job)
+{
+    program_assert_refused(
+        program_run_with("OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK=0", "run still"), 2,
+        "an MPI job of 4 ranks, and each would find all pairs; expected "
+        "'mpirun -np 4 duet cluster'");
+    program_assert_refused(program_run_with("PMI_SIZE=4 PMI_RANK=0", "run still"), 2,
+                           "expected 'mpirun -np 4 duet cluster'");
+    program p = program_done(program_run_with("PMI_SIZE=4 PMI_RANK=3", "run still"));
+    assert_string_equal(p.out, "");
+    assert_string_equal(p.err, "");
+    program_done(program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json"));
 }
 
 TEST_MAIN(make_scene, NULL)

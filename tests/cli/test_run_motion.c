@@ -2,7 +2,6 @@
 // duet run --steps, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
@@ -40,7 +39,7 @@ static int make_scene(void **state)
 // is a PNG whose size is that of a page with something on it.
 static void assert_is_picture(const char *path)
 {
-    own(text) bytes = test_read_file(path);
+    const text bytes = test_read_file(path);
     assert_true(bytes.length > 4000);
     assert_memory_equal(text_chars(&bytes), "\x89PNG\r\n", 6);
 }
@@ -56,10 +55,8 @@ TEST(a_picture_and_frames_are_drawn)
         assert_is_picture(path);
     }
     assert_int_not_equal(access(FRAMES "/00005.png", F_OK), 0);
-    assert_non_null(strstr(p.out, "effects:"));
-    assert_non_null(strstr(p.out, "of the work, kernels '"));
-    assert_non_null(strstr(p.out, "plan: the default"));
-    assert_non_null(strstr(p.out, " contact_response"));
+    assert_says(p.out, "effects:", "of the work, kernels '", "plan: the default",
+                " contact_response");
 }
 
 // The column of a table's row, from 0; NAN where there is none.
@@ -103,9 +100,9 @@ TEST(json_says_what_the_table_does)
 {
     program p = program_done(program_run("run --steps 8 --json " SCENE));
     cJSON *o = json_of(p.out);
-    assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
-    assert_true(cJSON_GetObjectItem(o, "objects")->valuedouble == 9);
-    assert_non_null(cJSON_GetObjectItem(cJSON_GetObjectItem(o, "stages_ms"), "solve_contacts"));
+    assert_true(json_number(o, "steps") == 8);
+    assert_true(json_number(o, "objects") == 9);
+    json_field(json_field(o, "stages_ms"), "solve_contacts");
 }
 
 TEST(what_cannot_be_drawn_is_refused_before_the_steps)
@@ -162,7 +159,7 @@ TEST(a_recording_gives_the_same_hash_with_another_plan)
                            "expected \"duet commands 2\"");
     p = program_run("run --steps 8 --replay " RECORDING " falling -n 9");
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.err, "recorded from step 0, 9 places"));
+    assert_says(p.err, "recorded from step 0, 9 places");
     program_assert_refused(program_run("run --replay " RECORDING " " SCENE), 2, "--replay");
 }
 
@@ -171,9 +168,7 @@ static text draw(const char *options, const char *scene)
 {
     test_write_file(BALL, scene);
     program_done(program_run("run --steps 1 %s --picture " PICTURE " " BALL, options));
-    text drawn = test_read_file(PICTURE);
-    test_keep(drawn.chars, free);
-    return drawn;
+    return test_read_file(PICTURE);
 }
 
 static bool are_same(text a, text b)

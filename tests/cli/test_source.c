@@ -2,7 +2,6 @@
 // duet source, as a person calls it.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 static char data_dir[512]; // "DUET_KERNEL_DIR=..." of the test kernels
@@ -14,29 +13,16 @@ static int find_data(void **state)
     return 0;
 }
 
-static cJSON *parse(program *p)
-{
-    if (p->exit_code != 0)
-        fail_msg("%s", p->err);
-    return json_of(p->out);
-}
-
 static const cJSON *item_named(const cJSON *list, const char *name)
 {
     const cJSON *item = NULL;
     cJSON_ArrayForEach(item, list)
     {
-        const cJSON *its = cJSON_GetObjectItemCaseSensitive(item, "name");
-        if (strcmp(cJSON_GetStringValue(its), name) == 0)
+        if (strcmp(json_string(item, "name"), name) == 0)
             return item;
     }
     fail_msg("nothing is named %s", name);
     return NULL;
-}
-
-static double number_of(const cJSON *o, const char *name)
-{
-    return cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(o, name));
 }
 
 TEST(the_text_is_printed_and_nothing_else)
@@ -50,19 +36,18 @@ TEST(the_text_is_printed_and_nothing_else)
 
 TEST(json_has_the_text_and_its_hash)
 {
-    program p = program_run("source scan --json");
-    cJSON *o = parse(&p);
-    p = program_run("source scan | sha256sum");
-    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(o, "sha256"));
+    cJSON *o = json_of_run("source scan --json");
+    program p = program_run("source scan | sha256sum");
+    const char *hash = json_string(o, "sha256");
     assert_int_equal(strncmp(p.out, hash, 64), 0);
 }
 
 TEST(a_device_decides_defaults)
 {
     program p = program_run("source scan --device pocl:0");
-    assert_non_null(strstr(p.out, "#define WG 1\n"));
+    assert_says(p.out, "#define WG 1\n");
     p = program_run("source scan");
-    assert_non_null(strstr(p.out, "#define WG 256\n"));
+    assert_says(p.out, "#define WG 256\n");
 }
 
 TEST(a_scene_decides_what_is_compiled_in)
@@ -70,7 +55,7 @@ TEST(a_scene_decides_what_is_compiled_in)
     const char flat[] = "0 0 1 1\n2 2 3 3\n"; // 2D bounds
     test_write_file("test_source.csv", flat);
     program p = program_run("source hash --scene test_source.csv");
-    assert_non_null(strstr(p.out, "#define DIMS 2\n#define SHAPE 1\n#define ROTATED 0\n"));
+    assert_says(p.out, "#define DIMS 2\n#define SHAPE 1\n#define ROTATED 0\n");
     p = program_run("source scan --scene test_source.csv"); // has none of these
     assert_int_equal(p.exit_code, 0);
     program_assert_refused(program_run("source hash --scene no_such.csv"), 1, "no_such.csv");
@@ -78,19 +63,16 @@ TEST(a_scene_decides_what_is_compiled_in)
 
 TEST(kernels_are_listed_with_what_varies)
 {
-    program p = program_run_with(data_dir, "source --list --json");
-    cJSON *o = parse(&p);
-    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(o, "kernels");
+    cJSON *o = json_of_run_with(data_dir, "source --list --json");
+    const cJSON *kernels = json_field(o, "kernels");
     const cJSON *plain = item_named(kernels, "plain");
-    assert_int_equal(number_of(plain, "configs"), 15);
-    const cJSON *params = cJSON_GetObjectItemCaseSensitive(plain, "params");
-    assert_int_equal(number_of(item_named(params, "WG"), "default"), 64);
-    assert_int_equal(number_of(item_named(params, "SHIFT"), "min"), -8);
-    assert_int_equal(number_of(item_named(kernels, "shaped"), "configs"), 2);
-    p = program_run_with(data_dir, "source --list plain");
-    assert_non_null(strstr(p.out, "FACTOR    [1] 2 3"));
-    assert_non_null(strstr(p.out, "SHIFT     -8 .. 8 [-1]"));
-    assert_non_null(strstr(p.out, "15 valid configs"));
+    assert_int_equal(json_number(plain, "configs"), 15);
+    const cJSON *params = json_field(plain, "params");
+    assert_int_equal(json_number(item_named(params, "WG"), "default"), 64);
+    assert_int_equal(json_number(item_named(params, "SHIFT"), "min"), -8);
+    assert_int_equal(json_number(item_named(kernels, "shaped"), "configs"), 2);
+    program p = program_run_with(data_dir, "source --list plain");
+    assert_says(p.out, "FACTOR    [1] 2 3", "SHIFT     -8 .. 8 [-1]", "15 valid configs");
     assert_null(strstr(p.out, "shaped"));
 }
 
@@ -106,13 +88,12 @@ TEST(a_folder_replaces_the_carried_kernels)
 
 TEST(every_config_of_a_small_space_is_compiled)
 {
-    program p = program_run_with(data_dir, "source --check --device pocl:0 --json");
-    cJSON *o = parse(&p);
-    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(o, "kernels");
-    assert_int_equal(number_of(item_named(kernels, "plain"), "compiled"), 15);
-    assert_int_equal(number_of(item_named(kernels, "plain"), "failed"), 0);
-    assert_int_equal(number_of(item_named(kernels, "shaped"), "compiled"), 2);
-    p = program_run_with(data_dir, "source --check plain --device pocl:0 --most 3");
+    cJSON *o = json_of_run_with(data_dir, "source --check --device pocl:0 --json");
+    const cJSON *kernels = json_field(o, "kernels");
+    assert_int_equal(json_number(item_named(kernels, "plain"), "compiled"), 15);
+    assert_int_equal(json_number(item_named(kernels, "plain"), "failed"), 0);
+    assert_int_equal(json_number(item_named(kernels, "shaped"), "compiled"), 2);
+    program p = program_run_with(data_dir, "source --check plain --device pocl:0 --most 3");
     assert_string_equal(p.out, "plain                3 of 15 configs compiled\n");
 }
 
@@ -137,12 +118,11 @@ TEST(what_does_not_compile_is_told_with_our_file_and_line)
     snprintf(variables, sizeof variables, "DUET_KERNEL_DIR=%s", dir);
     program p = program_run_with(variables, "source --check --device pocl:0");
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.out, "0 of 2 configs compiled, 2 failed"));
-    assert_non_null(strstr(p.err, "duet: bad.A1 on pocl:0: "));
+    assert_says(p.out, "0 of 2 configs compiled, 2 failed");
+    assert_says(p.err, "duet: bad.A1 on pocl:0: ");
     char place[96];
     snprintf(place, sizeof place, "%s/bad.cl.in:5:", dir);
-    assert_non_null(strstr(p.err, place));
-    assert_non_null(strstr(p.err, "duet: 2 configs failed to compile on pocl:0\n"));
+    assert_says(p.err, place, "duet: 2 configs failed to compile on pocl:0\n");
 }
 
 TEST(wrong_usage_is_one_line)

@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/devices.h"
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #define STORE "DUET_PROFILE=task.db"
@@ -37,30 +36,19 @@ static int begin_afresh(void **state)
     return code;
 }
 
-static void expect_says(program *p, const char *const *says)
-{
-    if (p->exit_code != 0)
-        fail_msg("%s", p->err);
-    for (; *says; ++says)
-        if (!strstr(p->out, *says))
-            fail_msg("no '%s' in:\n%s", *says, p->out);
-}
-
 TEST(a_task_is_run_and_checked)
 {
     static const char *const says[] = {"saxpy: 20 000 items of kernel saxpy", "plan: the default",
                                        "duet tune --task saxpy.task.lua",     "items a second",
                                        "right: every launch, within 1e-06",   NULL};
     program p = program_run_with(STORE, "run --task saxpy.task.lua");
-    expect_says(&p, says);
+    assert_says_all(program_done(p).out, says);
 }
 
 // Only sharing is checked then, and the words say so.
 TEST(a_kernel_without_a_reference_is_compared_with_itself)
 {
-    static const struct {
-        const char *command, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"run", "right: every launch, within 1e-06 of what kernel saxpy itself finds on B alone: "
                 "only sharing is checked"},
         {"explain", "right: as kernel saxpy itself on B alone, within 1e-06: only sharing is "
@@ -71,36 +59,32 @@ TEST(a_kernel_without_a_reference_is_compared_with_itself)
     snprintf(text, sizeof text, "%.*s}\n", (int)n, task_text);
     test_write_file("saxpy.task.lua", text);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        program p = program_run_with(STORE, "%s --task saxpy.task.lua", cases[i].command);
-        expect_says(&p, (const char *const[]){cases[i].says, NULL});
+        program p = program_run_with(STORE, "%s --task saxpy.task.lua", cases[i].given);
+        assert_says(program_done(p).out, cases[i].says);
     }
 }
 
 TEST(a_tuned_plan_is_kept_and_used)
 {
     const char *const says[] = {"saxpy, 30 000, task saxpy", NULL};
-    program p = program_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
-    cJSON *root = json_of_program(&p);
-    const cJSON *row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(root, "workloads"), 0);
+    cJSON *root = json_of_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
+    const cJSON *row = json_row(root, "workloads", 0);
     assert_string_equal(json_string(row, "task"), "saxpy");
     assert_int_equal(json_number(row, "items"), 30000);
-    assert_non_null(strstr(json_string(row, "command"), "duet run --task saxpy.task.lua -n 30000"));
+    assert_says(json_string(row, "command"), "duet run --task saxpy.task.lua -n 30000");
     assert_true(*json_string(row, "uid"));
     double share = json_number(row, "share");
     bool used = !*json_string(row, "unused");
-    p = program_run_with(STORE, "run --json --task saxpy.task.lua -n 30000");
-    root = json_of_program(&p);
+    root = json_of_run_with(STORE, "run --json --task saxpy.task.lua -n 30000");
     assert_string_equal(json_string(root, "plan_from"), used ? "exact" : "default");
     assert_true(!used || json_number(root, "share") == share);
-    p = program_run_with(STORE, "profiles why --json --task saxpy.task.lua -n 30000");
-    root = json_of_program(&p);
+    root = json_of_run_with(STORE, "profiles why --json --task saxpy.task.lua -n 30000");
     assert_string_equal(json_string(root, "grade"), used ? "exact" : "default");
-    p = program_run_with(STORE, "profiles list");
+    program p = program_run_with(STORE, "profiles list");
     if (used)
-        expect_says(&p, says);
-    p = program_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
-    root = json_of_program(&p);
-    row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(root, "workloads"), 0);
+        assert_says_all(program_done(p).out, says);
+    root = json_of_run_with(STORE, "tune --json --task saxpy.task.lua -n 30000 " FEW);
+    row = json_row(root, "workloads", 0);
     assert_true(json_true(row, "known"));
 }
 
@@ -111,14 +95,13 @@ TEST(a_task_is_explained)
         "2 valid sets of parameters",          "right: as the file's reference, within 1e-06",
         "in the store: task saxpy; n 20000",   NULL};
     program p = program_run_with(STORE, "explain --task saxpy.task.lua");
-    expect_says(&p, says);
-    p = program_run_with(STORE, "explain --json --task saxpy.task.lua -n 500");
-    cJSON *root = json_of_program(&p);
+    assert_says_all(program_done(p).out, says);
+    cJSON *root = json_of_run_with(STORE, "explain --json --task saxpy.task.lua -n 500");
     assert_int_equal(json_number(root, "items"), 500);
-    const cJSON *args = cJSON_GetObjectItemCaseSensitive(root, "arguments");
+    const cJSON *args = json_field(root, "arguments");
     assert_int_equal(cJSON_GetArraySize(args), 3);
     assert_int_equal(json_number(cJSON_GetArrayItem(args, 1), "an_item"), 1);
-    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(root, "kernels");
+    const cJSON *kernels = json_field(root, "kernels");
     const cJSON *b = cJSON_GetArrayItem(kernels, cJSON_GetArraySize(kernels) - 1);
     assert_int_equal(json_number(b, "configs"), 2);
 }
@@ -127,29 +110,27 @@ TEST(a_task_is_measured_and_compared)
 {
     program p =
         program_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --repeat 7 -o old.json");
-    expect_says(&p, (const char *const[]){"task saxpy, 3 000 items", "kernels", NULL});
-    p = program_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --repeat 7 --json");
-    cJSON *root = json_of_program(&p);
-    const cJSON *one, *cases = cJSON_GetObjectItemCaseSensitive(root, "cases");
+    assert_says(program_done(p).out, "task saxpy, 3 000 items", "kernels");
+    cJSON *root = json_of_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --repeat 7 --json");
+    const cJSON *one, *cases = json_field(root, "cases");
     assert_true(cJSON_GetArraySize(cases) == (devices_are_two() ? 5 : 1));
     cJSON_ArrayForEach(one, cases)
     {
         assert_string_equal(json_string(one, "scene"), "saxpy");
         assert_int_equal(json_number(one, "objects"), 3000);
-        assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(one, "samples_ms")), 7);
+        assert_int_equal(json_size(one, "samples_ms"), 7);
     }
     p = program_run_with(STORE, "bench --task saxpy.task.lua -n 3000 --against old.json");
-    assert_non_null(strstr(p.out, "against "));
+    assert_says(p.out, "against ");
     p = program_run_with(STORE, "bench --task saxpy.task.lua -n 4000 --against old.json");
-    expect_says(&p, (const char *const[]){"task saxpy, 4 000 items", "new", NULL});
+    assert_says(program_done(p).out, "task saxpy, 4 000 items", "new");
     program_assert_refused(program_run("bench -n 3"), 2, "--task");
     program_assert_refused(program_run("bench --scene paper --task saxpy.task.lua"), 2, "--scene");
     test_write_file("saxpy.cl", "__kernel void saxpy(SAXPY_ARGS) { if (get_global_id(0) == 0) "
                                 "y[first] = 7; }");
     p = program_run("bench --task saxpy.task.lua");
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.err, "item 0: y[0] is 7"));
-    assert_non_null(strstr(p.err, "failed"));
+    assert_says(p.err, "item 0: y[0] is 7", "failed");
     assert_null(strstr(p.err, " 1 plans"));
 }
 
@@ -160,24 +141,21 @@ TEST(a_tune_file_has_tasks)
                                 "4000 }, set = { seed = 2 } }, { scene = 'paper', n = 300 } }, "
                                 "modes = { 'own' }, level = 'certified', variants = { 'simd' }, "
                                 "budget = { trials = 80 } }");
-    program p = program_run_with(STORE, "tune --json --config tune.lua");
-    cJSON *root = json_of_program(&p);
-    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(root, "workloads");
+    cJSON *root = json_of_run_with(STORE, "tune --json --config tune.lua");
+    const cJSON *rows = json_field(root, "workloads");
     assert_int_equal(cJSON_GetArraySize(rows), 3);
     for (int i = 0; i < 2; ++i) {
         const cJSON *row = cJSON_GetArrayItem(rows, i);
         assert_string_equal(json_string(row, "task"), "saxpy");
         assert_int_equal(json_number(row, "items"), 3000 + 1000 * i);
-        assert_non_null(strstr(json_string(row, "command"), "--task saxpy.task.lua -n"));
+        assert_says(json_string(row, "command"), "--task saxpy.task.lua -n");
     }
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 2), "objects"), 300);
 }
 
 TEST(a_wrong_task_in_a_tune_file_is_told)
 {
-    static const struct {
-        const char *workload, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"n = 5", "a workload needs a scene or a task"},
         {"scene = 'paper', task = 'saxpy.task.lua'", "this one has both"},
         {"task = 'saxpy.task.lua', query = 'rays'", "a task has no query; expected a scene"},
@@ -187,11 +165,11 @@ TEST(a_wrong_task_in_a_tune_file_is_told)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char text[200];
-        snprintf(text, sizeof text, "return { workloads = { { %s } } }", cases[i].workload);
+        snprintf(text, sizeof text, "return { workloads = { { %s } } }", cases[i].given);
         test_write_file("tune.lua", text);
         program p = program_run_with(STORE, "tune --config tune.lua");
         if (p.exit_code == 0 || !strstr(p.err, cases[i].says))
-            fail_msg("%s: %d '%s'", cases[i].workload, p.exit_code, p.err);
+            fail_msg("%s: %d '%s'", cases[i].given, p.exit_code, p.err);
     }
 }
 
@@ -202,8 +180,7 @@ TEST(a_changed_kernel_is_another_workload)
     test_write_file("saxpy.cl",
                     "__kernel void saxpy(SAXPY_ARGS)\n{\n    ulong i = first + "
                     "get_global_id(0);\n    if (i < last)\n        y[i] += a * x[i];\n}\n");
-    program p = program_run_with(STORE, "run --json --task saxpy.task.lua");
-    cJSON *root = json_of_program(&p);
+    cJSON *root = json_of_run_with(STORE, "run --json --task saxpy.task.lua");
     assert_string_equal(json_string(root, "plan_from"), "default");
 }
 
@@ -211,18 +188,16 @@ TEST(a_changed_kernel_is_another_workload)
 TEST(energy_is_made_small_and_kept_beside_time)
 {
     test_write_file("energy.txt", "50 W\n");
-    program p = program_run_with(STORE " DUET_ENERGY=energy.txt",
-                                 "tune --json --task saxpy.task.lua --pair halves --repeat 1 "
-                                 "--objective energy --trials 120");
-    cJSON *root = json_of_program(&p);
-    const cJSON *row = cJSON_GetObjectItemCaseSensitive(root, "workloads")->child;
+    cJSON *root = json_of_run_with(STORE " DUET_ENERGY=energy.txt",
+                                   "tune --json --task saxpy.task.lua --pair halves --repeat 1 "
+                                   "--objective energy --trials 120");
+    const cJSON *row = json_field(root, "workloads")->child;
     assert_true(json_number(row, "joules") > 0 && json_number(row, "plans_tried") > 3);
-    p = program_run_with(STORE, "profiles show --json %.8s", json_string(row, "uid"));
-    cJSON *shown = json_of_program(&p);
+    cJSON *shown = json_of_run_with(STORE, "profiles show --json %.8s", json_string(row, "uid"));
     assert_string_equal(json_string(shown, "objective"), "energy");
     double ms = 0, joules = 1e9;
     const cJSON *plan;
-    cJSON_ArrayForEach(plan, cJSON_GetObjectItemCaseSensitive(shown, "pareto"))
+    cJSON_ArrayForEach(plan, json_field(shown, "pareto"))
     {
         assert_true(json_number(plan, "ms") > ms && json_number(plan, "joules") < joules);
         ms = json_number(plan, "ms");
@@ -293,9 +268,7 @@ TEST(a_kernel_that_does_not_compile_is_named_as_the_file_that_was_read)
 #define Y "args = { y = { 'float', 4, access = 'out slice' } }"
 TEST(a_name_of_no_kernel_is_told_with_its_line)
 {
-    static const struct {
-        const char *text, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"return { items = 4, " Y ",\n  kernel = 'nosuch' }",
          "wrong.task.lua:2: kernel is 'nosuch'; expected a kernel: there are saxpy"},
         {"return { items = 4, " Y ", kernel = 'saxpy',\n\n  reference = 'nosuch' }",
@@ -303,16 +276,12 @@ TEST(a_name_of_no_kernel_is_told_with_its_line)
     };
     static const char *const commands[] = {"run", "tune", "bench", "explain", "profiles why"};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        test_write_file("wrong.task.lua", cases[i].text);
+        test_write_file("wrong.task.lua", cases[i].given);
         for (size_t c = 0; c < sizeof commands / sizeof *commands; ++c)
             program_assert_refused(program_run_with(STORE, "%s --task wrong.task.lua", commands[c]),
                                    1, cases[i].says);
     }
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    test_each(begin_afresh, NULL);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(begin_afresh, NULL)
+TEST_MAIN(NULL, NULL)

@@ -4,7 +4,6 @@
 // A shell runs on a pseudo terminal of its own, and this program types.
 #define _GNU_SOURCE
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
@@ -157,8 +156,7 @@ TEST(ctrl_c_shows_what_ranks_timed)
                  "exec %s cluster %s --plain still -n 300 --repeat 100000 --json >stopped.json",
                  getenv("DUET_PROGRAM"), runs[i].arguments);
         terminal t = run_until(100, script, " a second", 0, runs[i].alone);
-        own(text) out = {0};
-        must(text_read_file(&out, "stopped.json", ERR));
+        text out = test_read_file("stopped.json");
         if (!sees(&t, "duet: stopped") || (runs[i].alone && out.length == 0))
             fail_msg("%s: %s", script, text_chars(&t.seen));
         if (out.length > 0) {

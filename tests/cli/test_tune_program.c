@@ -37,8 +37,7 @@ static int begin_afresh(void **state)
 // The rows of "workloads".
 static const cJSON *tune_json(const char *arguments)
 {
-    program p = program_run("tune --json %s", arguments);
-    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(json_of_program(&p), "workloads");
+    const cJSON *rows = json_field(json_of_run("tune --json %s", arguments), "workloads");
     assert_true(cJSON_IsArray(rows));
     return rows;
 }
@@ -98,8 +97,7 @@ TEST(what_was_not_asked_before_is_measured)
                 fail_msg("%s: launches the %d. time", arguments, again + 1);
         }
     }
-    program p = program_run("profiles list --dead --json --profile " STORE);
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_run("profiles list --dead --json --profile " STORE);
     const cJSON *row;
     int research = 0;
     cJSON_ArrayForEach(row, json_array(o, "profiles", N))
@@ -109,8 +107,8 @@ TEST(what_was_not_asked_before_is_measured)
     }
     assert_int_equal(research, 2);
     // A line says what is known, and how to measure it again.
-    p = program_run("tune " QUICK FEW SCENE " -n 1000");
-    assert_non_null(strstr(p.out, "known: the same was measured before; --fresh measures it"));
+    program p = program_run("tune " QUICK FEW SCENE " -n 1000");
+    assert_says(p.out, "known: the same was measured before; --fresh measures it");
     remove(STORE);
     p = program_run("tune " QUICK FEW SCENE " -n 1000 --strategy grid --keep");
     assert_null(strstr(p.out, "not used by applications"));
@@ -120,7 +118,7 @@ TEST(every_line_of_the_table_fits_a_terminal)
 {
     program p = program_done(program_run(
         "tune " FEW "--variants auto,simd --trials 80 --profile " STORE " " SCENE " -n 1000,2000"));
-    assert_non_null(strstr(p.out, "plan: A's part of the work; B does the rest."));
+    assert_says(p.out, "plan: A's part of the work; B does the rest.");
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
 }
@@ -144,9 +142,8 @@ static char *printed_command(const char *out, const char *name, int k)
 // The pasted command against the tuning's row, and against the scene run as it was asked for.
 static void assert_runs_as_printed(const char *command, const cJSON *row, const char *asked)
 {
-    program pasted = program_run("%s --check --json", command);
-    program own = program_run("run --json %s", asked);
-    cJSON *ran = json_of_program(&pasted), *plain = json_of_program(&own);
+    cJSON *ran = json_of_run("%s --check --json", command),
+          *plain = json_of_run("run --json %s", asked);
     const char *a = json_string(row, "variant_a"), *b = json_string(row, "variant_b");
     bool one = json_true(row, "one_device");
     char variant[600];
@@ -213,8 +210,7 @@ TEST(the_tuning_that_a_run_names_measures_what_it_then_loads)
         program p = program_run_with("DUET_PROFILE=" STORE, "run %s", runs[i]);
         char *tuning = printed_command(p.out, "tune", 0);
         program_done(program_run_with("DUET_PROFILE=" STORE, "%s --variants auto " FEW, tuning));
-        p = program_run_with("DUET_PROFILE=" STORE, "run --json %s", runs[i]);
-        cJSON *o = json_of_program(&p);
+        cJSON *o = json_of_run_with("DUET_PROFILE=" STORE, "run --json %s", runs[i]);
         assert_string_equal(json_string(o, "profile"), "exact");
         free(tuning);
     }
@@ -226,8 +222,7 @@ TEST(the_command_that_uses_a_plan_names_its_store)
     program p = program_run("tune " QUICK FEW SCENE " -n 500 --strategy grid");
     char *command = printed_command(p.out, "profiles", 0);
     program_done(program_run_with("DUET_PROFILE=nowhere.db", "%s", command));
-    p = program_run_with("DUET_PROFILE=" STORE, "run --json " SCENE " -n 500");
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_run_with("DUET_PROFILE=" STORE, "run --json " SCENE " -n 500");
     assert_string_equal(json_string(o, "profile"), "exact");
     free(command);
 }
@@ -241,11 +236,11 @@ TEST(the_terms_of_a_known_workload_are_those_that_were_measured)
     static const char *const same[] = {"best_share", "gain", "gain_low", "gain_high", "single_ms"};
     for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
         assert_true(fabs(json_number(known, same[i]) - json_number(measured, same[i])) < 1e-9);
-    const cJSON *term, *terms = cJSON_GetObjectItemCaseSensitive(measured, "terms");
+    const cJSON *term, *terms = json_field(measured, "terms");
     double sum = 0;
     cJSON_ArrayForEach(term, terms)
     {
-        const cJSON *other = cJSON_GetObjectItemCaseSensitive(known, "terms");
+        const cJSON *other = json_field(known, "terms");
         assert_true(fabs(json_number(other, term->string) - term->valuedouble) < 1e-6);
         sum += fabs(term->valuedouble);
     }
@@ -274,15 +269,13 @@ TEST(an_accuracy_chooses_a_level_and_serves_who_asks_for_no_more)
                  {"", false},
                  {"--level sat15", false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        program p =
-            program_run_with("DUET_PROFILE=" STORE, "run --json --check %s " SCENE, cases[i].asked);
-        cJSON *o = json_of_program(&p);
+        cJSON *o =
+            json_of_run_with("DUET_PROFILE=" STORE, "run --json --check %s " SCENE, cases[i].asked);
         assert_int_equal(strcmp(json_string(o, "level"), level) == 0, cases[i].served);
         assert_int_equal(strcmp(json_string(o, "profile"), "exact") == 0, cases[i].served);
     }
     program why = program_run("profiles why --profile " STORE " --false-rate 0.001 " SCENE);
-    assert_non_null(strstr(why.out, "no: for each true pair it misses 0 and adds "));
-    assert_non_null(strstr(why.out, "above 0 or 0.001"));
+    assert_says(why.out, "no: for each true pair it misses 0 and adds ", "above 0 or 0.001");
 }
 
 TEST(an_accuracy_out_of_reach_names_the_nearest_level)
@@ -300,8 +293,7 @@ TEST(a_scene_says_which_level_it_wants)
     const cJSON *rows = tune_json(QUICK FEW SCENE);
     assert_string_equal(json_string(cJSON_GetArrayItem(rows, 0), "level"), "sat6");
     assert_true(json_number(cJSON_GetArrayItem(rows, 0), "false_rate") > 0.01);
-    program p = program_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
     assert_string_equal(json_string(o, "level"), "sat6");
     assert_string_equal(json_string(o, "profile"), "exact");
 }
@@ -350,7 +342,7 @@ TEST(ctrl_c_ends_a_loop_of_tunings)
     own(text) said = {0};
     assert_false(text_read_file(&said, CONFIG, NULL)); // not even the first went on
     assert_true(text_read_file(&said, STRATEGY, NULL));
-    assert_non_null(strstr(text_chars(&said), "stopped"));
+    assert_says(text_chars(&said), "stopped");
     assert_null(strstr(strstr(text_chars(&said), "stopped") + 1, "stopped"));
     duet_error err = {0};
     store *s = store_open(STORE, STORE_WRITE, &err);
@@ -384,12 +376,10 @@ TEST(kernels_are_searched_once_and_runs_follow)
     static const char search[] = "--variants simd --trials 80 --repeat 1 --profile " STORE
                                  " --search pair_search_simd " SCENE;
     const cJSON *rows = tune_json("--variants simd --trials 66 --profile " STORE " " SCENE);
-    assert_int_equal(cJSON_GetArraySize(
-                         cJSON_GetObjectItemCaseSensitive(cJSON_GetArrayItem(rows, 0), "kernels")),
-                     0);
+    assert_int_equal(json_size(cJSON_GetArrayItem(rows, 0), "kernels"), 0);
     rows = tune_json(search);
     const cJSON *row = cJSON_GetArrayItem(rows, 0), *one;
-    const cJSON *kernels = cJSON_GetObjectItemCaseSensitive(row, "kernels");
+    const cJSON *kernels = json_field(row, "kernels");
     assert_true(json_number(row, "launches") > 0);
     assert_true(cJSON_GetArraySize(kernels) > 0);
     cJSON_ArrayForEach(one, kernels)
@@ -404,8 +394,7 @@ TEST(kernels_are_searched_once_and_runs_follow)
     assert_int_equal(json_number(cJSON_GetArrayItem(rows, 0), "launches"), 0);
     if (devices_are_two())
         assert_other_way_round_is_known(search);
-    program p = program_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_run_with("DUET_PROFILE=" STORE, "run --json --check " SCENE);
     assert_string_equal(json_string(o, "profile"), "exact");
 }
 
@@ -435,8 +424,7 @@ TEST(one_device_is_told_its_kernels)
 {
     program p = program_done(program_run("tune " QUICK SCENE " --pair cpu"));
     assert_int_equal(strncmp(p.out, "workload  ", 10), 0);
-    assert_non_null(strstr(p.out, "  kernels  "));
-    assert_non_null(strstr(p.out, "  auto  "));
+    assert_says(p.out, "  kernels  ", "  auto  ");
     assert_null(strstr(p.out, "gain"));
     assert_null(strstr(p.out, "verdict"));
 }
@@ -468,17 +456,15 @@ TEST(a_motion_is_tuned_by_runs_and_run_follows)
     assert_runs("falling -n 30 --pair halves --share 0 --steps 2",
                 "plan: as given; A has nothing to do");
     program p = program_run("profiles why falling -n 30 --pair cpu --moving --profile " STORE);
-    assert_non_null(strstr(p.out, " moving "));
-    assert_non_null(strstr(p.out, "\nexact: kernels "));
+    assert_says(p.out, " moving ", "\nexact: kernels ");
     p = program_run("profiles why falling -n 50 --pair cpu --moving --profile " STORE);
-    assert_non_null(strstr(p.out, "yes: the plan of such a motion of 30 bodies"));
-    assert_non_null(strstr(
-        p.out, "\nthe plan of another workload: what a step takes and gains here is not known\n"));
+    assert_says(p.out, "yes: the plan of such a motion of 30 bodies",
+                "\nthe plan of another workload: what a step takes and gains here is not known\n");
     p = program_run("profiles list --profile " STORE);
-    assert_non_null(strstr(p.out, "falling, 30, moving"));
+    assert_says(p.out, "falling, 30, moving");
     p = program_run("tune %s --steps 5", motion);
-    assert_non_null(strstr(p.out, ", runs of 5 steps, "));
-    assert_non_null(strstr(p.out, "\n  duet run falling -n 30 --pair pocl:0 --steps 5 --share"));
+    assert_says(p.out, ", runs of 5 steps, ",
+                "\n  duet run falling -n 30 --pair pocl:0 --steps 5 --share");
 }
 
 TEST(what_is_wrong_on_the_command_line_is_one_line)
@@ -530,10 +516,7 @@ TEST(a_strategy_or_query_that_there_is_not_is_one_line)
 
 TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
 {
-    static const struct {
-        const char *content;
-        const char *says;
-    } rows[] = {
+    static const refusal rows[] = {
         {"return 1", CONFIG},
         {"return {}", "workloads"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n stratgy = 'grid' }", CONFIG ":3:"},
@@ -558,13 +541,10 @@ TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
         static tune_config config;
-        test_write_file(CONFIG, rows[i].content);
+        test_write_file(CONFIG, rows[i].given);
         must_fail(tune_config_load(&config, CONFIG, ERR), DUET_STATUS_BAD_INPUT, rows[i].says);
     }
 }
 
-int main(void)
-{
-    test_each(begin_afresh, NULL);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(begin_afresh, NULL)
+TEST_MAIN(NULL, NULL)

@@ -2,7 +2,6 @@
 // duet tune --replay, as a person calls it on a machine without devices.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
-#include "support/program.h"
 #include "support/store.h"
 #include "support/test.h"
 
@@ -27,7 +26,7 @@ static program replay(const char *arguments)
 TEST(every_workload_and_strategy_is_replayed_without_a_device)
 {
     program p = replay("--json");
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_program(p);
     const cJSON *workload;
     cJSON_ArrayForEach(workload, json_array(o, "workloads", 2))
     {
@@ -50,7 +49,7 @@ TEST(a_seed_a_scene_and_a_strategy_are_chosen)
     static const char chosen[] = "paper -n 20k --strategy balance --json --seed 3";
     program first = replay(chosen), again = replay(chosen);
     assert_string_equal(first.out, again.out);
-    cJSON *o = json_of_program(&first);
+    cJSON *o = json_of_program(first);
     assert_int_equal(json_number(o, "seed"), 3);
     const cJSON *workload = cJSON_GetArrayItem(json_array(o, "workloads", 1), 0);
     assert_int_equal(json_number(workload, "objects"), 20000);
@@ -66,7 +65,7 @@ TEST(a_script_is_replayed_as_a_strategy)
                             "  if #history < 2 then return #history / 2 end\nend\n");
     snprintf(arguments, sizeof arguments, "-n 20000 --json --strategy-lua %s", script);
     program p = replay(arguments);
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_program(p);
     const cJSON *workload = cJSON_GetArrayItem(json_array(o, "workloads", 1), 0);
     const cJSON *row = cJSON_GetArrayItem(json_array(workload, "strategies", 1), 0);
     assert_string_equal(json_string(row, "strategy"), "lua");
@@ -76,7 +75,7 @@ TEST(a_script_is_replayed_as_a_strategy)
 TEST(the_table_fits_a_terminal)
 {
     program p = program_done(replay("-n 100000"));
-    assert_non_null(strstr(p.out, "paper, 100 000\nA: "));
+    assert_says(p.out, "paper, 100 000\nA: ");
     for (const char *at = p.out; *at; at += strcspn(at, "\n") + 1)
         assert_in_range(strcspn(at, "\n"), 0, 80);
 }
@@ -88,7 +87,7 @@ TEST(what_cannot_be_replayed_is_said_in_a_line)
     program_assert_refused(replay("--fresh"), 2, "--fresh and --replay do not go together");
     program p = replay("--strategy best");
     assert_true(p.exit_code > 0);
-    assert_non_null(strstr(p.err, "strategy 'best': there is none; there are balance, fig12"));
+    assert_says(p.err, "strategy 'best': there is none; there are balance, fig12");
     program_assert_refused(replay("--strategy annealing"), 1,
                            "has no workload for that strategy; expected shares that");
     program_assert_refused(program_run("tune --replay /nowhere/profiles.db"), 1,

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 // duet verify: two recordings that differ by one command, so that it is known where a run of each
 // differs first; recordings of other versions, and damaged ones.
-#include "support/program.h"
+#include "support/json.h"
 #include "support/scene_file.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
-
-#include <cjson/cJSON.h>
 
 #define SCENE "test_verify.scene.lua"
 #define FLYING "test_verify.flying.lua"
@@ -166,22 +164,21 @@ TEST(modes_shares_and_halves_give_the_hash_of_one_device)
         "--other-variant-b 'auto motion.skin=20'",
     };
     program once = program_run("run " SCENE " --steps 8 --pair cpu --json");
-    cJSON *o = cJSON_Parse(once.out);
-    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItem(o, "hash"));
+    cJSON *o = json_of(once.out);
+    const char *hash = json_string(o, "hash");
     assert_non_null(hash);
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         program p = program_run("verify " SCENE " --steps 8 --pair cpu %s", others[i]);
         if (p.exit_code != 0 || !strstr(p.out, hash))
             fail_msg("%s: %s%s, expected %s", others[i], p.out, p.err, hash);
     }
-    cJSON_Delete(o);
 }
 
 TEST(a_recording_is_verified_to_its_end)
 {
     record(SCENE, PLAIN, push, 7, 3);
     program p = program_done(program_run("verify " SCENE " --replay " PLAIN));
-    assert_non_null(strstr(p.out, "equal: 12 steps, 25 bodies"));
+    assert_says(p.out, "equal: 12 steps, 25 bodies");
 }
 
 // ---------------------------------------------------------------- different
@@ -239,17 +236,15 @@ TEST(json_has_what_the_line_says)
     record(SCENE, ALTERED, push, 8, 11);
     program p = program_run("verify " SCENE " --json --replay " PLAIN " --other-replay " ALTERED);
     assert_int_equal(p.exit_code, 1);
-    cJSON *o = cJSON_Parse(p.out);
-    assert_non_null(o);
-    assert_true(cJSON_IsFalse(cJSON_GetObjectItem(o, "equal")));
-    assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 8);
-    assert_true(cJSON_GetObjectItem(o, "body")->valuedouble == 11);
-    assert_string_equal(cJSON_GetObjectItem(o, "field")->valuestring, "velocity.y");
-    double first = cJSON_GetObjectItem(o, "first")->valuedouble;
-    double pushed = cJSON_GetObjectItem(o, "other")->valuedouble - first;
+    cJSON *o = json_of(p.out);
+    assert_false(json_true(o, "equal"));
+    assert_true(json_number(o, "steps") == 8);
+    assert_true(json_number(o, "body") == 11);
+    assert_string_equal(json_string(o, "field"), "velocity.y");
+    double first = json_number(o, "first");
+    double pushed = json_number(o, "other") - first;
     assert_true(pushed > 1.999 && pushed < 2.001); // impulse / mass
-    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(o, "runs")), 2);
-    cJSON_Delete(o);
+    assert_int_equal(json_size(o, "runs"), 2);
 }
 
 // ---------------------------------------------------------------- bisection
@@ -327,7 +322,7 @@ static cJSON *verify(const wrong_kernel *w, const char *how, char says[static 16
                                  "verify " SLIDING " --steps %d --pair cpu --other-pair halves "
                                  "--other-share 0.5 --other-mode slab --json %s",
                                  FAR, how);
-    cJSON *o = cJSON_Parse(p.out);
+    cJSON *o = json_of(p.out);
     if (p.exit_code != 1 || !o)
         fail_msg("%s: status %d: %s%s", how, p.exit_code, p.out, p.err);
     snprintf(says, 160, "%s", p.err);
@@ -348,10 +343,9 @@ TEST(a_wrong_kernel_is_found_at_its_step_stage_and_body)
         snprintf(says, sizeof says, "different: step %u, %s", step, w->says);
         if (!strstr(line, says))
             fail_msg("expected '%s': %s", says, line);
-        const double taken = cJSON_GetObjectItem(o, "steps_taken")->valuedouble;
+        const double taken = json_number(o, "steps_taken");
         const uint32_t seen = (step + every - 1) / every * every;
         assert_true(taken <= seen + every + 1);
-        cJSON_Delete(o);
     }
 }
 
@@ -359,9 +353,9 @@ TEST(any_interval_finds_what_step_by_step_comparison_finds)
 {
     static const char *const hows[] = {"--every 7", "--every 63", "--every 1000"};
     char expected[160], line[160];
-    cJSON_Delete(verify(&wrong_kernels[0], "--every 1", expected));
+    verify(&wrong_kernels[0], "--every 1", expected);
     for (size_t i = 0; i < sizeof hows / sizeof hows[0]; ++i) {
-        cJSON_Delete(verify(&wrong_kernels[0], hows[i], line));
+        verify(&wrong_kernels[0], hows[i], line);
         assert_string_equal(line, expected);
     }
 }
@@ -387,7 +381,7 @@ static void assert_refused(const char *says)
 TEST(recordings_that_are_none_are_refused)
 {
     record(SCENE, PLAIN, push, 7, 3);
-    own(text) file = test_read_file(PLAIN);
+    text file = test_read_file(PLAIN);
     forge(&file, 14, 1, file.length, true); // "duet commands 3"
     assert_refused("expected \"duet commands 2\"");
     rng r = rng_seed(test_seed());
@@ -405,12 +399,12 @@ TEST(recordings_that_are_none_are_refused)
 TEST(a_recorded_hash_that_differs_is_told_last)
 {
     record(SCENE, PLAIN, NULL, 0, 0);
-    own(text) file = test_read_file(PLAIN);
+    text file = test_read_file(PLAIN);
     forge(&file, file.length - 16, 1, file.length, true);
     program p = program_run("verify " SCENE " --replay " ALTERED);
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.out, "equal: 12 steps"));
-    assert_non_null(strstr(p.err, "at the end; expected the recorded"));
+    assert_says(p.out, "equal: 12 steps");
+    assert_says(p.err, "at the end; expected the recorded");
     forge(&file, 32, 1, file.length, true);
     assert_refused("recorded from step 0, 25 places and the state hash");
 }
@@ -427,7 +421,7 @@ TEST(a_recording_keeps_the_hash_of_each_32nd_step)
 {
     uint64_t hashes[LONG + 1];
     record_long(SCENE, PLAIN, LONG, NULL, 0, 0, hashes);
-    own(text) file = test_read_file(PLAIN);
+    text file = test_read_file(PLAIN);
     assert_int_equal(file.length, HEAD + 3 * (2 * RECORD + 8) + RECORD + 2 * 8);
     for (uint32_t i = 0; i < 3; ++i) {
         uint32_t steps[4], kind[4];
@@ -463,7 +457,7 @@ TEST(a_replay_ends_at_the_first_kept_hash_that_differs)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         record_long(SCENE, PLAIN, LONG, push, cases[i].at, 7, NULL);
-        own(text) file = test_read_file(PLAIN);
+        text file = test_read_file(PLAIN);
         const float was = 2, is = 2.5f;
         char *impulse = file.chars;
         while (memcmp(impulse, &was, sizeof was) != 0)
@@ -478,12 +472,12 @@ TEST(a_replay_ends_at_the_first_kept_hash_that_differs)
 TEST(a_kept_hash_that_was_altered_ends_the_replay)
 {
     record_long(SCENE, PLAIN, LONG, NULL, 0, 0, NULL);
-    own(text) file = test_read_file(PLAIN);
+    text file = test_read_file(PLAIN);
     forge(&file, HASH_AT(1), 1, file.length, true);
     program p = program_run("verify " SCENE " --replay " ALTERED);
     assert_int_equal(p.exit_code, 1);
     assert_ptr_equal(strstr(p.out, "equal: 64 steps"), p.out);
-    assert_non_null(strstr(p.err, "at step 64; expected the recorded"));
+    assert_says(p.err, "at step 64; expected the recorded");
 }
 
 // A hash comes behind steps, and is one of 8 bytes.
@@ -501,7 +495,7 @@ TEST(kept_hashes_of_another_form_are_refused)
         {HASH_AT(0) + 8 + 4, 32}, // no steps
     };
     record_long(SCENE, PLAIN, LONG, NULL, 0, 0, NULL);
-    own(text) file = test_read_file(PLAIN);
+    text file = test_read_file(PLAIN);
     for (size_t i = 0; i < sizeof forged / sizeof forged[0]; ++i) {
         forge(&file, forged[i].at, forged[i].by, file.length, true);
         assert_refused("the recording is cut short or damaged");

@@ -4,12 +4,8 @@
 #include "cluster/cluster.h"
 #include "cluster/crowd.h"
 
-#include "base/error.h"
-#include "base/rng.h"
-
 #include <math.h>
 #include <sched.h>
-#include <stdlib.h>
 
 // Objects that moved away from the cut are cut anew.
 static void a_cut_that_became_uneven_is_made_anew(duet_cluster *cluster, const crowd *c, rng *r)

@@ -8,10 +8,8 @@
 #include "support/orders.h"
 
 #include "base/text.h"
-#include "base/text_file.h"
 
 #include <inttypes.h>
-#include <string.h>
 
 #define SCENE "cluster_commands.lua"
 #define PART "cluster_commands.ck"
@@ -251,8 +249,7 @@ static play play_on_one(const world *w, uint64_t seed)
 {
     play p = begin_play(w, seed);
     if (rank == 0) {
-        duet_device_pair_def pair_def = duet_default_device_pair_def();
-        duet_device_pair *pair = must(duet_device_pair_create(&pair_def, ERR));
+        duet_device_pair *pair = must(duet_device_pair_open(NULL, ERR));
         duet_scene *scene = must(duet_scene_load(SCENE, NULL, 0, ERR));
         duet_motion_def def = duet_scene_motion_def(scene, pair);
         p.target.motion = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
@@ -293,26 +290,21 @@ static void play_on(const world *w, const play *truth, uint64_t seed, int n_rank
     duet_cluster_destroy(p.target.cluster);
 }
 
-static void commands_have_one_motions_bits(uint64_t seed)
+FACT(commands_have_one_motions_bits)
 {
     static const int shapes[][2] = {{1, 1}, {1, 3}, {2, 1}, {3, 2}, {4, 1}, {5, 1}};
     const size_t n_shapes = sizeof shapes / sizeof *shapes;
     for (size_t i = 0; i < sizeof worlds / sizeof *worlds; ++i) {
         write_scene(&worlds[i]);
-        const play truth = play_on_one(&worlds[i], seed + i);
+        const play truth = play_on_one(&worlds[i], job_seed + i);
         MUST(rank != 0 || (truth.n_done > STEPS && truth.n_refused >= STEPS &&
                            truth.orders.known.n_stale > 0),
              "much is done, and some refused");
         for (size_t k = i > 0; k<n_shapes; k += i> 0 ? 2 : 1)
-            play_on(&worlds[i], &truth, seed + i, shapes[k][0], (uint32_t)shapes[k][1]);
+            play_on(&worlds[i], &truth, job_seed + i, shapes[k][0], (uint32_t)shapes[k][1]);
     }
     job_remove(SCENE);
     job_remove(PART);
 }
 
-int main(int argc, char **argv)
-{
-    uint64_t seed = job_begin(&argc, &argv, 5, 20261128);
-    commands_have_one_motions_bits(seed);
-    return job_end("all facts hold on 1, 2, 3, 4 and 5 ranks");
-}
+JOB_MAIN(5, 20261128, "all facts hold on 1, 2, 3, 4 and 5 ranks")

@@ -3,8 +3,6 @@
 #include "cluster/cluster.h"
 #include "cluster/crowd.h"
 
-#include "base/error.h"
-#include "base/rng.h"
 #include "cluster/object_skim.h"
 #include "cluster/owner.h"
 #include "runtime/narrowphase/rounded.h"
@@ -13,14 +11,11 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 // ---------------------------------------------------------------- levels
 
-static void levels_are_octaves_below_the_widest(void)
+FACT(levels_are_octaves_below_the_widest)
 {
     MUST(level_of(8, 8) == SIZE_LEVELS - 1 && level_of(7.9, 8) == SIZE_LEVELS - 2,
          "the widest has its own");
@@ -37,7 +32,7 @@ static void levels_are_octaves_below_the_widest(void)
 // ---------------------------------------------------------------- places
 
 // Halves without points too have boxes that hold what is theirs and nothing else.
-static void a_part_is_its_box(void)
+FACT(a_part_is_its_box)
 {
     rng r = rng_seed(14);
     for (int round = 0; round < 200; ++round) {
@@ -80,7 +75,7 @@ static void cut_box(bisection *b, rng *r, const double sides[3])
 
 // Sides of almost one width take turns in being the widest, and cuts stay across those that they
 // were across; one that is far wider is cut.
-static void cuts_stay_across_their_sides(void)
+FACT(cuts_stay_across_their_sides)
 {
     rng r = rng_seed(15);
     bisection b;
@@ -97,7 +92,7 @@ static void cuts_stay_across_their_sides(void)
 }
 
 // Each object passed over is sound and lies inside, and none is wider than is said.
-static void what_is_skimmed_is_deep_inside(void)
+FACT(what_is_skimmed_is_deep_inside)
 {
     static crowd c;
     rng r = rng_seed(15);
@@ -140,7 +135,7 @@ static duet_bounds bounds_in_float(const crowd *c, uint32_t id)
 }
 
 // Covers boxes that turn and those that do not, of all sizes, and of points at 0.
-static void extents_hold_what_devices_take(void)
+FACT(extents_hold_what_devices_take)
 {
     static crowd c;
     static const uint32_t crowds[] = {0, 3, 6, SPHERES, SPHERES + 1, ROUNDED, ROUNDED + 1, 54};
@@ -199,7 +194,7 @@ static duet_bounds some_bounds(uint64_t id, rng *r)
 
 // Rows come to their domains, some of which are empty, and stay there as random ones leave and
 // come.
-static void rows_come_to_their_domains(void)
+FACT(rows_come_to_their_domains)
 {
     static const extent all = {{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
     rng r = rng_seed(16);
@@ -266,7 +261,7 @@ static void count_things(void *context, uint32_t part, uint64_t first, uint64_t 
 }
 
 // Begun, and waited for, before, between and after loops, by threads that look for work or sleep.
-static void calls_are_made_beside_loops(void)
+FACT(calls_are_made_beside_loops)
 {
     enum { CALLS = 100, MANY = 1 << 13 };
     static const uint32_t n_threads[] = {1, 2, 5};
@@ -288,15 +283,4 @@ static void calls_are_made_beside_loops(void)
     }
 }
 
-int main(int argc, char **argv)
-{
-    job_begin(&argc, &argv, 1, 20261122);
-    levels_are_octaves_below_the_widest();
-    a_part_is_its_box();
-    cuts_stay_across_their_sides();
-    what_is_skimmed_is_deep_inside();
-    extents_hold_what_devices_take();
-    rows_come_to_their_domains();
-    calls_are_made_beside_loops();
-    return job_end("each rank places objects rightly");
-}
+JOB_MAIN(1, 20261122, "each rank places objects rightly")

@@ -4,14 +4,10 @@
 #include "cluster/crowd.h"
 
 #include "base/error.h"
-#include "base/rng.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 

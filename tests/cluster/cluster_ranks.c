@@ -6,16 +6,11 @@
 #include "cluster/cluster.h"
 #include "cluster/crowd.h"
 
-#include "base/error.h"
-#include "base/rng.h"
 #include "base/text_file.h"
 #include "runtime/opencl/device_pair.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static void random_crowds_have_the_same_pairs(uint64_t seed)
 {

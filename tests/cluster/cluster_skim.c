@@ -14,7 +14,6 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
 
 enum { N = 9000, MANY = 40000 };
 
@@ -22,8 +21,7 @@ static duet_device_pair *devices;
 
 static void open_devices(void)
 {
-    duet_device_pair_def def = duet_default_device_pair_def();
-    devices = must(duet_device_pair_create(&def, ERR));
+    devices = must(duet_device_pair_open(NULL, ERR));
     devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
 }
 

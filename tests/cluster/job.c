@@ -15,11 +15,22 @@
 #endif
 
 int rank;
+uint64_t job_seed;
 duet_error rank_error;
+
+enum { MOST_FACTS = 60 };
+
+static struct {
+    const char *name;
+    void (*show)(void);
+    bool of_one;
+} facts[MOST_FACTS];
+static int n_facts;
+static const char *showing = "";
 
 void end_job(const char *fact, const char *file, int line, const char *why)
 {
-    fprintf(stderr, "rank %d, %s:%d: %s: %s\n", rank, file, line, fact, why);
+    fprintf(stderr, "rank %d, %s:%d: %s %s: %s\n", rank, file, line, showing, fact, why);
     MPI_Abort(MPI_COMM_WORLD, 1);
     abort();
 }
@@ -32,10 +43,10 @@ uint64_t job_begin(int *argc, char ***argv, int n_ranks, uint64_t seed)
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &n);
     MUST(n == n_ranks, "another number of ranks is expected");
-    seed = given ? strtoull(given, NULL, 10) : seed;
+    job_seed = given ? strtoull(given, NULL, 10) : seed;
     if (rank == 0)
-        printf("DUET_TEST_SEED=%" PRIu64 "\n", seed);
-    return seed;
+        printf("DUET_TEST_SEED=%" PRIu64 "\n", job_seed);
+    return job_seed;
 }
 
 int job_end(const char *says)
@@ -45,6 +56,32 @@ int job_end(const char *says)
     FIND_LEAKS(); // before MPI ends, which forgets some memory of its own
     MPI_Finalize();
     return 0;
+}
+
+void job_add(const char *name, void (*show)(void), bool of_one)
+{
+    if (n_facts == MOST_FACTS)
+        abort();
+    facts[n_facts].name = name;
+    facts[n_facts].show = show;
+    facts[n_facts++].of_one = of_one;
+}
+
+static void show_facts(bool of_one)
+{
+    for (int i = 0; i < n_facts; ++i)
+        if (facts[i].of_one == of_one && (rank == 0 || !of_one)) {
+            showing = facts[i].name;
+            facts[i].show();
+        }
+}
+
+int job_run(int *argc, char ***argv, int n_ranks, uint64_t seed, const char *says)
+{
+    job_begin(argc, argv, n_ranks, seed);
+    show_facts(true);
+    show_facts(false);
+    return job_end(says);
 }
 
 duet_cluster *cluster_of(int n, duet_cluster_def def)

@@ -15,6 +15,30 @@
 
 extern int rank; // this rank in the whole job
 
+// A fact, which the function of that name shows on all ranks, or on rank 0 alone while the others
+// wait: FACT(name) { ... } is all that it needs. A fact that fails is named.
+#define FACT(name) JOB_FACT(name, false)
+#define FACT_OF_ONE(name) JOB_FACT(name, true)
+#define JOB_FACT(name, of_one)                                \
+    static void name(void);                                   \
+    __attribute__((constructor)) static void add_##name(void) \
+    {                                                         \
+        job_add(#name, name, of_one);                         \
+    }                                                         \
+    static void name(void)
+
+void job_add(const char *name, void (*show)(void), bool of_one);
+
+// Shows a program's facts in a job of so many ranks, those of rank 0 alone first.
+#define JOB_MAIN(n_ranks, seed, says)                      \
+    int main(int argc, char **argv)                        \
+    {                                                      \
+        return job_run(&argc, &argv, n_ranks, seed, says); \
+    }
+int job_run(int *argc, char ***argv, int n_ranks, uint64_t seed, const char *says);
+
+extern uint64_t job_seed; // which job_begin returned
+
 // Begins a job of so many ranks. Returns DUET_TEST_SEED if that is set, else the seed; rank 0
 // prints it.
 uint64_t job_begin(int *argc, char ***argv, int n_ranks, uint64_t seed);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// duet cluster as a person runs it; cluster_ranks.c has what must hold for its ranks. Skipped
-// where Duet was built without MPI or, of simulated ranks, without SimGrid. --all: more of these.
+// duet cluster as a person runs it; cluster_ranks.c has what must hold for its ranks. Those of
+// simulated ranks are skipped where Duet was built without SimGrid. --all: more of these.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
 #include "support/store.h"
@@ -14,15 +14,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static bool asks_all;
-
 static void assert_same_pairs(const char *scene, int ranks, int parts)
 {
-    program one = program_run("run --repeat 1 --json %s", scene);
-    program all =
-        program_run("cluster --ranks %d --parts %d --repeat 1 --json %s", ranks, parts, scene);
-    cJSON *expected = json_of_program(&one);
-    cJSON *found = json_of_program(&all);
+    cJSON *expected = json_of_run("run --repeat 1 --json %s", scene);
+    cJSON *found =
+        json_of_run("cluster --ranks %d --parts %d --repeat 1 --json %s", ranks, parts, scene);
     assert_true(json_number(expected, "pairs") > 0);
     assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
     assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
@@ -31,25 +27,12 @@ static void assert_same_pairs(const char *scene, int ranks, int parts)
 
 TEST(ranks_with_devices_find_the_pairs_of_run)
 {
-    skip_without_mpi();
     assert_same_pairs("paper -n 900 --set world=18", 2, 1);
     assert_same_pairs("paper2d -n 900 --set world=40", 3, 4);
     assert_same_pairs("spheres -n 900 --set world=14", 2, 3);
 }
 
 // ---------------------------------------------------------------- pictures
-
-static void assert_same_file(const char *path, const char *other)
-{
-    text files[2] = {{0}};
-    must(text_read_file(&files[0], path, ERR));
-    must(text_read_file(&files[1], other, ERR));
-    assert_true(files[0].length > 1000);
-    assert_int_equal(files[0].length, files[1].length);
-    assert_memory_equal(files[0].chars, files[1].chars, files[0].length);
-    text_free(&files[0]);
-    text_free(&files[1]);
-}
 
 static void draw(const char *command, const char *options)
 {
@@ -61,17 +44,16 @@ static void draw(const char *command, const char *options)
 // Rank 0 draws all ranks' bodies, byte for byte as one motion is drawn.
 TEST(pictures_of_ranks_are_those_of_run)
 {
-    skip_without_mpi();
     draw("run falling -n 200 --steps 20", "--picture one.png --frames one");
     draw("cluster falling -n 200 --steps 20 --ranks 3",
          "--picture many.png --frames many --format png");
-    assert_same_file("one.png", "many.png");
-    assert_same_file("one/00000.png", "many/00000.png");
-    assert_same_file("one/00010.png", "many/00010.png");
+    test_assert_same_file("one.png", "many.png");
+    test_assert_same_file("one/00000.png", "many/00000.png");
+    test_assert_same_file("one/00010.png", "many/00010.png");
     assert_true(access("one/00011.png", F_OK) != 0 && access("many/00011.png", F_OK) != 0);
     draw("cluster falling -n 200 --steps 8 --ranks 2", "--checkpoint picture.ck");
     draw("cluster falling -n 200 --steps 20 --ranks 2", "--resume picture.ck --picture many.png");
-    assert_same_file("one.png", "many.png");
+    test_assert_same_file("one.png", "many.png");
     remove("picture.ck");
     program_assert_refused(program_run("cluster falling -n 9 --steps 2 --picture a.jpg"), 2,
                            "--picture: the name of a run's picture ends with .png");
@@ -98,7 +80,7 @@ static void write_sliding(const char *path, double friction)
              "         wants = { 'contact_response', 'friction' },\n"
              "         world = { lower = { -3, -3, 0 }, upper = { 7, 7, 8 } } }\n",
              friction);
-    must(text_write_file(path, text_chars(&scene), scene.length, ERR));
+    test_write_file(path, text_chars(&scene));
 }
 
 // Runs it with a scene that the ranks read first and rank 0's one motion second.
@@ -119,23 +101,20 @@ static program check_two(const char *first, const char *second)
 // Friction is in no state, so the motions part in the step in which it first acts.
 TEST(the_first_step_stage_and_body_that_differ_from_one_motion_are_named)
 {
-    skip_without_mpi();
     write_sliding("rough.lua", 0.5);
     write_sliding("smooth.lua", 0.4);
     program same = check_two("rough.lua", "rough.lua");
-    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(json_of_program(&same), "equal")));
+    assert_true(json_true(json_of_program(same), "equal"));
     program p = check_two("rough.lua", "smooth.lua");
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.err, ", solver, body 5: "));
-    assert_non_null(strstr(p.err, ": one motion and 2 ranks\n"));
+    assert_says(p.err, ", solver, body 5: ", ": one motion and 2 ranks\n");
     uint64_t step = 0, first = 0;
     assert_int_equal(sscanf(strstr(p.err, "different: step "), "different: step %" SCNu64, &step),
                      1);
     for (uint64_t k = 1; k <= 20 && first == 0; ++k) {
-        program rough = program_run("run rough.lua --steps %d --json", (int)k);
-        program smooth = program_run("run smooth.lua --steps %d --json", (int)k);
-        first = strcmp(json_string(json_of_program(&rough), "hash"),
-                       json_string(json_of_program(&smooth), "hash")) != 0
+        first = strcmp(json_string(json_of_run("run rough.lua --steps %d --json", (int)k), "hash"),
+                       json_string(json_of_run("run smooth.lua --steps %d --json", (int)k),
+                                   "hash")) != 0
                     ? k
                     : 0;
     }
@@ -147,7 +126,6 @@ TEST(the_first_step_stage_and_body_that_differ_from_one_motion_are_named)
 // On a slow machine no step may have been made yet, which is said in the same line.
 TEST(ctrl_c_shows_what_ranks_moved)
 {
-    skip_without_mpi();
     program_run("cluster falling -n 200 --steps 20"); // kernels are built
     program p = program_run_with("timeout --foreground --preserve-status -s INT 3",
                                  "cluster falling -n 200 --steps 100000000");
@@ -179,21 +157,20 @@ static void record_commands(void)
         "end\n"
         "assert(motion:remove_bodies { 9 })\n"
         "assert(motion:save_recording 'told.replay')\n";
-    must(text_write_file("tell.lua", script, sizeof script - 1, ERR));
+    test_write_file("tell.lua", script);
     assert_int_equal(program_run("lua --trust tell.lua").exit_code, 0);
 }
 
 TEST(recorded_commands_are_given_to_ranks)
 {
-    skip_without_mpi();
     write_sliding("rough.lua", 0.5);
     record_commands();
     program one = program_run("run rough.lua --steps 20 --replay told.replay --json");
     for (int ranks = 2; ranks <= 3; ++ranks) {
         cJSON *told = json_of_run(
             "cluster rough.lua --steps 20 --replay told.replay --check --ranks %d --json", ranks);
-        assert_true(cJSON_IsTrue(cJSON_GetObjectItem(told, "equal")));
-        assert_string_equal(json_string(told, "hash"), json_string(json_of_program(&one), "hash"));
+        assert_true(json_true(told, "equal"));
+        assert_string_equal(json_string(told, "hash"), json_string(json_of_program(one), "hash"));
     }
     program_assert_refused(
         program_run("cluster rough.lua --steps 21 --replay told.replay --ranks 2"), 2,
@@ -232,9 +209,8 @@ TEST(commands_to_a_carrier_are_given_to_ranks)
         "  assert(motion:advance())\n"
         "end\n"
         "assert(motion:save_recording 'mixer.replay')\n";
-    skip_without_mpi();
-    must(text_write_file("mixer.lua", scene, sizeof scene - 1, ERR));
-    must(text_write_file("tell.lua", script, sizeof script - 1, ERR));
+    test_write_file("mixer.lua", scene);
+    test_write_file("tell.lua", script);
     program_done(program_run("lua --trust tell.lua"));
     for (int ranks = 2; ranks <= 4; ranks += 2)
         program_done(program_run(
@@ -244,7 +220,6 @@ TEST(commands_to_a_carrier_are_given_to_ranks)
 // Friction is in no state, so the motions begin alike.
 TEST(another_state_than_the_recorded_one_is_told_by_ranks)
 {
-    skip_without_mpi();
     write_sliding("rough.lua", 0.5);
     write_sliding("smooth.lua", 0.4);
     program_run("run rough.lua --steps 20 --record rough.replay");
@@ -258,7 +233,6 @@ TEST(another_state_than_the_recorded_one_is_told_by_ranks)
 
 TEST(ranks_end_at_the_first_kept_hash_that_differs)
 {
-    skip_without_mpi();
     write_sliding("rough.lua", 0.5);
     write_sliding("smooth.lua", 0.4);
     program_run("run rough.lua --steps 70 --record rough.replay");
@@ -275,7 +249,6 @@ TEST(ranks_end_at_the_first_kept_hash_that_differs)
 // ones; without them the state is another one.
 TEST(ranks_go_on_from_a_checkpoint_within_a_recording)
 {
-    skip_without_mpi();
     static const char pushes[] =
         "local duet = require 'duet'\n"
         "local pair <close> = assert(duet.device_pair 'cpu')\n"
@@ -288,7 +261,7 @@ TEST(ranks_go_on_from_a_checkpoint_within_a_recording)
         "end\n"
         "assert(motion:save_recording 'pushed.replay')\n";
     write_sliding("rough.lua", 0.5);
-    must(text_write_file("pushes.lua", pushes, sizeof pushes - 1, ERR));
+    test_write_file("pushes.lua", pushes);
     program_done(program_run("lua --trust pushes.lua"));
     program_done(program_run("cluster rough.lua --steps 10 --replay pushed.replay --ranks 3 "
                              "--checkpoint pushed.ck"));
@@ -309,11 +282,10 @@ TEST(ranks_go_on_from_a_checkpoint_within_a_recording)
 
 static cJSON *move(const char *variables, const char *arguments)
 {
-    program p =
-        program_run_with(variables, "cluster falling -n 300 --steps 80 --json %s", arguments);
-    cJSON *told = json_of_program(&p);
-    program one = program_run("run falling -n 300 --steps 80 --json");
-    assert_string_equal(json_string(told, "hash"), json_string(json_of_program(&one), "hash"));
+    cJSON *told =
+        json_of_run_with(variables, "cluster falling -n 300 --steps 80 --json %s", arguments);
+    assert_string_equal(json_string(told, "hash"),
+                        json_string(json_of_run("run falling -n 300 --steps 80 --json"), "hash"));
     return told;
 }
 
@@ -329,19 +301,16 @@ static void assert_ghosts_unsaid(const cJSON *told)
     if (strcmp(json_string(told, "colours_by"), "default") == 0)
         assert_true(json_number(told, "colours_between") == 1);
     else
-        assert_non_null(strstr("trying tried", json_string(told, "colours_by")));
+        assert_says("trying tried", json_string(told, "colours_by"));
 }
 
 // A tuning leaves a profile for as many ranks and parts, which a plan on the command line
 // overrides.
 TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
 {
-    skip_without_mpi();
     test_folder folder = test_folder_make();
-    char variables[160];
-    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    assert_ghosts_unsaid(move(variables, "--ranks 2"));
-    cJSON *tuned = move(variables, "--ranks 2 --tune-colours");
+    assert_ghosts_unsaid(move(folder.variable, "--ranks 2"));
+    cJSON *tuned = move(folder.variable, "--ranks 2 --tune-colours");
     assert_ghosts(tuned, json_number(tuned, "colours_between"), "tuned");
     duet_profile_list *list = must(duet_profile_list_create(folder.store, false, ERR));
     assert_int_equal(duet_profile_list_get_count(list), 1);
@@ -355,15 +324,14 @@ TEST(what_is_found_of_ghosts_is_kept_for_such_ranks)
     duet_profile_list_destroy(list);
 
     test_store_run(folder.store, "UPDATE profile SET variant_b = 'auto motion.colours=8'");
-    assert_ghosts(move(variables, "--ranks 2"), 8, "exact");
-    assert_ghosts(move(variables, "--ranks 2 --variant 'auto motion.colours=4'"), 4, "given");
-    assert_ghosts_unsaid(move(variables, "--ranks 3"));
-    assert_ghosts_unsaid(move(variables, "--ranks 2 --parts 2"));
+    assert_ghosts(move(folder.variable, "--ranks 2"), 8, "exact");
+    assert_ghosts(move(folder.variable, "--ranks 2 --variant 'auto motion.colours=4'"), 4, "given");
+    assert_ghosts_unsaid(move(folder.variable, "--ranks 3"));
+    assert_ghosts_unsaid(move(folder.variable, "--ranks 2 --parts 2"));
 }
 
 TEST(a_tuning_of_ghosts_that_cannot_be_is_refused)
 {
-    skip_without_mpi();
     program_assert_refused(program_run("cluster falling -n 60 --steps 90 --tune-colours"), 2,
                            "--tune-colours: one domain exchanges nothing; expected several ranks "
                            "or parts");
@@ -371,29 +339,27 @@ TEST(a_tuning_of_ghosts_that_cannot_be_is_refused)
                            2, "--tune-colours: 39 steps are left; expected 40 or more");
     program p = program_run("cluster falling -n 0 --steps 90 --tune-colours --parts 2");
     assert_int_equal(p.exit_code, 2);
-    assert_non_null(strstr(p.err, ": a motion of 0 bodies has no profile; expected bodies that"));
+    assert_says(p.err, ": a motion of 0 bodies has no profile; expected bodies that");
 }
 
 TEST(one_colour_between_exchanges_is_told_as_one)
 {
-    skip_without_mpi();
     program p = program_done(program_run("cluster falling -n 60 --steps 1 --ranks 2"));
-    assert_non_null(strstr(p.out, "1  colour at the most between two; by default\n"));
+    assert_says(p.out, "1  colour at the most between two; by default\n");
 }
 
 // The job ends before step 1, after which its checkpoint would be there.
 TEST(a_tuning_of_ghosts_that_no_store_can_keep_takes_no_step)
 {
-    skip_without_mpi();
-    char variables[2][160];
     test_folder folder = test_folder_make();
-    must(text_write_file(folder.store, "garbage", 7, ERR));
-    snprintf(variables[0], sizeof variables[0], "DUET_PROFILE=%s", folder.store);
-    snprintf(variables[1], sizeof variables[1], "DUET_PROFILE=%s", folder.path);
+    const char *const paths[] = {folder.store, folder.path};
+    test_write_file(folder.store, "garbage");
     for (int i = 0; i < 2; ++i) {
-        program p = program_run_with(variables[i], "cluster falling -n 60 --steps 40 --ranks 2 "
-                                                   "--tune-colours --checkpoint kept.ck --every 1");
-        program_assert_refused(p, 1, variables[i] + strlen("DUET_PROFILE="));
+        char variables[160];
+        snprintf(variables, sizeof variables, "DUET_PROFILE=%s", paths[i]);
+        program p = program_run_with(variables, "cluster falling -n 60 --steps 40 --ranks 2 "
+                                                "--tune-colours --checkpoint kept.ck --every 1");
+        program_assert_refused(p, 1, paths[i]);
         assert_int_not_equal(access("kept.ck", F_OK), 0);
     }
 }
@@ -401,16 +367,13 @@ TEST(a_tuning_of_ghosts_that_no_store_can_keep_takes_no_step)
 // The job's own checkpoint takes the place of the store while it takes its steps.
 TEST(a_tuning_of_ghosts_that_is_lost_in_the_end_tells_its_table)
 {
-    skip_without_mpi();
-    char variables[160];
     test_folder folder = test_folder_make();
-    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
     program p = program_run_with(
-        variables, "cluster falling -n 60 --steps 40 --ranks 2 --tune-colours --checkpoint %s",
-        folder.store);
+        folder.variable,
+        "cluster falling -n 60 --steps 40 --ranks 2 --tune-colours --checkpoint %s", folder.store);
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.err, folder.store));
-    assert_non_null(strstr(p.out, "\nstate hash "));
+    assert_says(p.err, folder.store);
+    assert_says(p.out, "\nstate hash ");
 }
 
 // ---------------------------------------------------------------- simulated ranks
@@ -428,7 +391,7 @@ static void write_platform(const char *path, const char *inside)
              "<prop id='network/crosstraffic' value='0'/></config>"
              "<zone id='all' routing='Full'>%s</zone></platform>",
              inside);
-    must(text_write_file(path, text_chars(&file), file.length, ERR));
+    test_write_file(path, text_chars(&file));
 }
 
 static void write_network(void)
@@ -445,14 +408,14 @@ TEST(simulated_ranks_find_the_pairs_of_run)
         "paper -n 5 --set world=1",    "paper -n 0 2>/dev/null", "rounded -n 63"};
     write_network();
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
-        for (int ranks = 64; ranks <= (asks_all ? 256 : 64); ranks *= 4) {
+        for (int ranks = 64; ranks <= (test_takes_all() ? 256 : 64); ranks *= 4) {
             program one = program_run("cluster --plain --repeat 1 --check --json %s", scenes[i]);
-            program simulated = program_run("cluster --simulate " NETWORK " --ranks %d --repeat 1 "
-                                            "--json %s",
-                                            ranks, scenes[i]);
-            cJSON *expected = json_of_program(&one), *found = json_of_program(&simulated);
+            cJSON *expected = json_of_program(one),
+                  *found = json_of_run("cluster --simulate " NETWORK " --ranks %d --repeat 1 "
+                                       "--json %s",
+                                       ranks, scenes[i]);
             json_array(found, "ranks", ranks);
-            assert_true(json_true(cJSON_GetObjectItem(expected, "check"), "right"));
+            assert_true(json_true(json_field(expected, "check"), "right"));
             assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
             assert_true(json_number(found, "pairs") == json_number(expected, "pairs"));
             assert_true(json_number(found, "total_ms") > 0.01 && // one message takes that
@@ -460,19 +423,16 @@ TEST(simulated_ranks_find_the_pairs_of_run)
         }
 }
 
-static cJSON *forecast(const char *path, const char *uid, const char *arguments)
+static cJSON *forecast(const test_folder *folder, const char *uid, const char *arguments)
 {
-    char variables[160];
-    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", path);
-    program p = program_run_with(
-        variables, "cluster --simulate " NETWORK " --profile %.8s --json %s", uid, arguments);
-    return json_of_program(&p);
+    return json_of_run_with(
+        folder->variable, "cluster --simulate " NETWORK " --profile %s --json %s", uid, arguments);
 }
 
 static double of_all_ranks(const cJSON *result, const char *name)
 {
     double sum = 0;
-    const cJSON *ranks = cJSON_GetObjectItem(result, "ranks");
+    const cJSON *ranks = json_field(result, "ranks");
     for (int i = 0; i < cJSON_GetArraySize(ranks); ++i)
         sum += json_number(cJSON_GetArrayItem(ranks, i), name);
     return sum;
@@ -600,107 +560,106 @@ static void set_workload(const char *path, const char *effects, const char *vari
     test_store_run(path, change);
 }
 
-static void a_moving_profile_sends_for_each_colour(const char *path, const char *uid,
+static void a_moving_profile_sends_for_each_colour(const test_folder *folder, const char *uid,
                                                    const cJSON *still, double body_ms)
 {
     static const char arguments[] = "--ranks 2 paper -n 4000 --set world=32";
-    set_workload(path, "moving", "auto motion.colours=1");
-    assert_sends_for_each_colour(forecast(path, uid, arguments), still);
-    set_workload(path, "moving", "auto motion.colours=7");
-    assert_true(json_number(forecast(path, uid, arguments), "colours_between") == 4);
-    set_workload(path, "moving", "auto");
-    assert_best_is_told(forecast(path, uid, arguments));
-    assert_takes_as_long(forecast(path, uid, arguments), 1, body_ms);
+    set_workload(folder->store, "moving", "auto motion.colours=1");
+    assert_sends_for_each_colour(forecast(folder, uid, arguments), still);
+    set_workload(folder->store, "moving", "auto motion.colours=7");
+    assert_true(json_number(forecast(folder, uid, arguments), "colours_between") == 4);
+    set_workload(folder->store, "moving", "auto");
+    assert_best_is_told(forecast(folder, uid, arguments));
+    assert_takes_as_long(forecast(folder, uid, arguments), 1, body_ms);
     assert_takes_as_long(
-        forecast(path, uid, "--ranks 2 --stands-for 100 paper -n 4000 --set world=148"), 100,
+        forecast(folder, uid, "--ranks 2 --stands-for 100 paper -n 4000 --set world=148"), 100,
         body_ms);
-    set_workload(path, "", "auto");
+    set_workload(folder->store, "", "auto");
+}
+
+typedef struct known_profile {
+    test_folder folder;
+    char uid[9]; // of the store's only profile
+    double step_ms;
+} known_profile;
+
+static known_profile make_profile(void)
+{
+    known_profile k = {.folder = test_folder_make()};
+    test_store_tune(k.folder.store);
+    duet_profile_list *list = must(duet_profile_list_create(k.folder.store, false, ERR));
+    const duet_stored_profile *profile = duet_profile_list_get_profile(list, 0);
+    snprintf(k.uid, sizeof k.uid, "%.8s", profile->uid);
+    k.step_ms = profile->step_ms;
+    duet_profile_list_destroy(list);
+    write_network();
+    return k;
 }
 
 // One object that stands for K travels as K would, and takes a device as long.
 TEST(a_forecast_takes_the_times_of_a_profile)
 {
     skip_without("duet-simulate", "SimGrid");
-    test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    test_tune(s, &pair, &workload);
-    store_close(s);
-    duet_profile_list *list = must(duet_profile_list_create(folder.store, false, ERR));
-    const duet_stored_profile *profile = duet_profile_list_get_profile(list, 0);
-    write_network();
-
-    cJSON *one = forecast(folder.store, profile->uid, "--ranks 1 paper -n 4000");
-    assert_true(json_number(one, "total_ms") >= 4 * profile->step_ms * 0.999);
-    assert_true(json_number(one, "total_ms") <= 4 * profile->step_ms + 1);
+    const known_profile k = make_profile();
+    cJSON *one = forecast(&k.folder, k.uid, "--ranks 1 paper -n 4000");
+    assert_true(json_number(one, "total_ms") >= 4 * k.step_ms * 0.999);
+    assert_true(json_number(one, "total_ms") <= 4 * k.step_ms + 1);
     assert_null(cJSON_GetObjectItem(one, "hash"));
-    char variables[160];
-    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    program_assert_refused(program_run_with(variables, "cluster --simulate " NETWORK
-                                                       " --ranks 2 --profile none still"),
-                           2, "--profile 'none': 0 profiles begin so");
-    program_assert_refused(program_run_with(variables,
-                                            "cluster --simulate " NETWORK
-                                            " --ranks 2 --profile %.8s paper2d -n 9",
-                                            profile->uid),
-                           2, "': a profile in 3D, and paper2d is in 2D; expected the same");
-    program_assert_refused(program_run_with(variables,
-                                            "cluster --simulate " NETWORK
-                                            " --ranks 2 --profile %.8s paper -n 9 --level aabb",
-                                            profile->uid),
-                           2,
-                           "': a profile at level certified, and this is at level aabb; expected "
-                           "the same");
-    cJSON *two = forecast(folder.store, profile->uid, "--ranks 2 paper -n 4000 --set world=32");
-    cJSON *many = forecast(folder.store, profile->uid,
-                           "--ranks 2 --stands-for 1000 paper -n 4000 --set world=320");
+    cJSON *two = forecast(&k.folder, k.uid, "--ranks 2 paper -n 4000 --set world=32");
+    cJSON *many =
+        forecast(&k.folder, k.uid, "--ranks 2 --stands-for 1000 paper -n 4000 --set world=320");
     assert_true(json_number(two, "efficiency") < 1);
     assert_true(json_number(many, "objects") == 4e6);
-    assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms);
+    assert_true(json_number(many, "total_ms") > 2000 * k.step_ms);
     double bytes = 0; // at 1 GB/s
-    for (int i = 0; i < 2; ++i) {
-        double sent =
-            json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(many, "ranks"), i), "sent_bytes");
-        bytes = sent > bytes ? sent : bytes;
-    }
+    for (int i = 0; i < 2; ++i)
+        bytes = fmax(bytes, json_number(json_row(many, "ranks", i), "sent_bytes"));
     assert_true(bytes > 0);
-    assert_true(json_number(many, "total_ms") > 2000 * profile->step_ms + bytes * 1e-6 * 0.99);
-    a_moving_profile_sends_for_each_colour(folder.store, profile->uid, two,
-                                           profile->step_ms / 1000);
-    s = test_store_open(folder.store, STORE_WRITE);
-    must(sql_script(s, "UPDATE workload SET query = 'rays closest', boxes = 9", ERR));
-    program p = program_run_with(
-        variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still", profile->uid);
-    program_assert_refused(p, 2, "': a profile of the query 'rays closest'; expected one of steps");
-    must(sql_script(s,
-                    "UPDATE workload SET query = NULL, boxes = 0; UPDATE profile SET objective = "
-                    "'time over 3 ranks of 1 part on 2 hosts'",
-                    ERR));
-    p = program_run_with(variables, "cluster --simulate " NETWORK " --ranks 2 --profile %.8s still",
-                         profile->uid);
-    program_assert_refused(p, 2,
-                           "': a profile of time over 3 ranks of 1 part on 2 hosts; expected one "
-                           "of steps on one device pair");
-    must(sql_script(s, "UPDATE profile SET objective = 'time'", ERR));
-    store_close(s);
-    static const char *const hostile[] = {"profile SET median_ns = 9e999",
-                                          "profile SET median_ns = -5", "profile SET median_ns = 0",
-                                          "profile SET median_ns = 7; UPDATE workload SET n = 0"};
-    for (size_t i = 0; i < sizeof hostile / sizeof *hostile; ++i) {
-        char change[160];
-        s = test_store_open(folder.store, STORE_WRITE);
+    assert_true(json_number(many, "total_ms") > 2000 * k.step_ms + bytes * 1e-6 * 0.99);
+    a_moving_profile_sends_for_each_colour(&k.folder, k.uid, two, k.step_ms / 1000);
+}
+
+#define CANNOT_BE "its time of a step or its objects cannot be"
+
+TEST(a_profile_that_forecasts_nothing_is_refused)
+{
+    static const struct {
+        const char *change; // of the store; NULL: none
+        const char *arguments;
+        int exit_code;
+        const char *says;
+    } rows[] = {
+        {NULL, "paper2d -n 9", 2, "': a profile in 3D, and paper2d is in 2D; expected the same"},
+        {NULL, "paper -n 9 --level aabb", 2,
+         "': a profile at level certified, and this is at level aabb; expected the same"},
+        {"workload SET query = 'rays closest', boxes = 9", "still", 2,
+         "': a profile of the query 'rays closest'; expected one of steps"},
+        {"workload SET query = NULL, boxes = 0; UPDATE profile SET objective = "
+         "'time over 3 ranks of 1 part on 2 hosts'",
+         "still", 2,
+         "': a profile of time over 3 ranks of 1 part on 2 hosts; expected one of steps on one "
+         "device pair"},
+        {"profile SET objective = 'time', median_ns = 9e999", "still", 1, CANNOT_BE},
+        {"profile SET median_ns = -5", "still", 1, CANNOT_BE},
+        {"profile SET median_ns = 0", "still", 1, CANNOT_BE},
+        {"profile SET median_ns = 7; UPDATE workload SET n = 0", "still", 1, CANNOT_BE},
+    };
+    skip_without("duet-simulate", "SimGrid");
+    const known_profile k = make_profile();
+    program_assert_refused(program_run_with(k.folder.variable, "cluster --simulate " NETWORK
+                                                               " --ranks 2 --profile none still"),
+                           2, "--profile 'none': 0 profiles begin so");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        char change[240];
         snprintf(change, sizeof change, "PRAGMA ignore_check_constraints = ON; UPDATE %s",
-                 hostile[i]);
-        must(sql_script(s, change, ERR));
-        store_close(s);
-        program_assert_refused(program_run_with(variables,
-                                                "cluster --simulate " NETWORK
-                                                " --ranks 2 --profile %.8s still",
-                                                profile->uid),
-                               1, "its time of a step or its objects cannot be");
+                 rows[i].change);
+        if (rows[i].change)
+            test_store_run(k.folder.store, change);
+        program p = program_run_with(k.folder.variable,
+                                     "cluster --simulate " NETWORK " --ranks 2 --profile %s %s",
+                                     k.uid, rows[i].arguments);
+        program_assert_refused(p, rows[i].exit_code, rows[i].says);
     }
-    duet_profile_list_destroy(list);
 }
 
 TEST(a_platform_that_is_none_is_one_line)
@@ -735,7 +694,6 @@ static double number_of_row(int columns, int i, int k)
 // Each rank reads its rows; with --check rank 0 reads all.
 TEST(an_array_is_read_in_parts)
 {
-    skip_without_mpi();
     for (int columns = 6; columns <= 11; columns += 5) {
         own(text) file = {0};
         npy_add_header(&file, NPY_FLOAT64, 100, (uint64_t)columns);
@@ -744,10 +702,9 @@ TEST(an_array_is_read_in_parts)
             text_add_bytes(&file, (const char *)&number, sizeof number);
         }
         must(text_write_file("rows.npy", text_chars(&file), file.length, ERR));
-        program one = program_run("cluster --plain --repeat 1 --check --json rows.npy");
-        program three = program_run("cluster --plain --repeat 1 --ranks 3 --json rows.npy");
-        cJSON *expected = json_of_program(&one), *found = json_of_program(&three);
-        assert_true(json_true(cJSON_GetObjectItem(expected, "check"), "right"));
+        cJSON *expected = json_of_run("cluster --plain --repeat 1 --check --json rows.npy"),
+              *found = json_of_run("cluster --plain --repeat 1 --ranks 3 --json rows.npy");
+        assert_true(json_true(json_field(expected, "check"), "right"));
         assert_true(json_number(expected, "pairs") > 100);
         assert_true(json_number(found, "objects") == 100);
         assert_string_equal(json_string(found, "hash"), json_string(expected, "hash"));
@@ -757,75 +714,57 @@ TEST(an_array_is_read_in_parts)
 // Its pair, the sums of all ranks, and nothing of stdin lost.
 TEST(each_rank_has_its_row_and_its_part_of_the_devices)
 {
-    skip_without_mpi();
-    program p =
-        program_run_with("printf '0,0,0,1,1,1\\n.5,.5,.5,2,2,2\\n9,9,9,9,9,9\\n' | DUET_PAIR=",
+    cJSON *o =
+        json_of_run_with("printf '0,0,0,1,1,1\\n.5,.5,.5,2,2,2\\n9,9,9,9,9,9\\n' | DUET_PAIR=",
                          "cluster --ranks 2 --weights 1,2 --check --json -");
-    cJSON *o = json_of_program(&p);
     const cJSON *rows = json_array(o, "ranks", 2);
     const cJSON *first = cJSON_GetArrayItem(rows, 0), *second = cJSON_GetArrayItem(rows, 1);
     cJSON *devices = json_of_run("devices --json");
-    const cJSON *device = cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0);
-    if (cJSON_GetArraySize(cJSON_GetObjectItem(devices, "devices")) == 1 &&
-        json_number(device, "units") > 1)
+    const cJSON *device = json_row(devices, "devices", 0);
+    if (json_size(devices, "devices") == 1 && json_number(device, "units") > 1)
         assert_string_not_equal(json_string(first, "pair"), json_string(second, "pair"));
     assert_string_equal(json_string(first, "host"), json_string(second, "host"));
     assert_true(json_number(second, "rank") == 1);
     assert_true(json_number(first, "objects") + json_number(second, "objects") == 3);
     assert_true(json_number(first, "pairs") + json_number(second, "pairs") == 1);
     assert_true(json_number(o, "pairs") == 1);
-    assert_true(json_true(cJSON_GetObjectItem(o, "check"), "right"));
+    assert_true(json_true(json_field(o, "check"), "right"));
 }
 
 TEST(a_rank_that_is_bound_to_one_core_of_several_is_told_of)
 {
-    skip_without_mpi();
     cJSON *devices = json_of_run("devices --json");
-    double units =
-        json_number(cJSON_GetArrayItem(cJSON_GetObjectItem(devices, "devices"), 0), "units");
+    double units = json_number(json_row(devices, "devices", 0), "units");
     program p = program_done(
         program_run_with("DUET_PAIR=pocl:0 taskset -c 0", "cluster --repeat 1 still -n 3"));
     assert_true((units > 1) == (strstr(p.err, "duet: rank 0 may use 1 of the ") != NULL));
-    assert_non_null(strstr(p.out, "  pocl:0  ")); // the device that does it all is named once
+    assert_says(p.out, "  pocl:0  "); // the device that does it all is named once
 }
 
 TEST(a_person_reads_a_table)
 {
-    skip_without_mpi();
     program p =
         program_done(program_run("cluster --ranks 3 --plain --check --resident planes -n 60"));
     assert_string_equal(p.err, "");
-    assert_non_null(strstr(p.out, "3 ranks"));
-    assert_non_null(strstr(p.out, "   2  "));
-    assert_non_null(strstr(p.out, "same "));
+    assert_says(p.out, "3 ranks", "   2  ", "same ");
 }
 
 TEST(the_file_of_pairs_is_that_of_one_rank)
 {
-    skip_without_mpi();
-    text files[2] = {{0}, {0}};
-    for (int i = 0; i < 2; ++i) {
+    for (int ranks = 1; ranks <= 3; ranks += 2) {
         cJSON *o = json_of_run("cluster --plain --repeat 1 --json --ranks %d --sorted "
-                               "--pairs test_cluster.npy planes -n 90",
-                               2 * i + 1);
-        must(text_read_file(&files[i], "test_cluster.npy", ERR));
-        assert_int_equal(files[i].length, 128 + 16 * (size_t)json_number(o, "pairs"));
-        remove("test_cluster.npy");
+                               "--pairs %d.npy planes -n 90",
+                               ranks, ranks);
+        char path[16];
+        snprintf(path, sizeof path, "%d.npy", ranks);
+        assert_int_equal(test_read_file(path).length, 128 + 16 * (size_t)json_number(o, "pairs"));
     }
-    assert_int_equal(files[0].length, files[1].length);
-    assert_memory_equal(files[0].chars, files[1].chars, files[0].length);
-    text_free(&files[0]);
-    text_free(&files[1]);
+    test_assert_same_file("1.npy", "3.npy");
 }
 
 TEST(a_failure_is_one_line)
 {
-    skip_without_mpi();
-    static const struct {
-        const char *arguments;
-        int exit_code;
-        const char *says;
-    } wrong[] = {
+    static const program_refusal wrong[] = {
         {"cluster --ranks 2 papr", 2, "duet: rank 0 on "},
         {"cluster --ranks 2 papr", 2, "papr: no such file or scene; did you mean 'paper'?"},
         {"cluster papr", 2, "duet: papr: no such file or scene"},
@@ -848,10 +787,7 @@ TEST(a_failure_is_one_line)
         {"cluster", 2, "SCENE|FILE is missing"},
         {"lua -e 'duet.cluster()'", 1, "duet.cluster needs 'duet lua --trust'"},
     };
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        program p = program_run("%s", wrong[i].arguments);
-        program_assert_refused(p, wrong[i].exit_code, wrong[i].says);
-    }
+    program_assert_refusals("", "", wrong);
     program_assert_refused(program_run_with("printf '0,0,0,1,1,1\\n0,0,0,1,1,inf\\n' |",
                                             "cluster --ranks 3 --plain -"),
                            1, "stdin:2: object 1: ");
@@ -860,26 +796,10 @@ TEST(a_failure_is_one_line)
                            2, "this is rank 0 of 3 of an MPI job already");
 }
 
-// One rank of a job says so, and no other is in its way.
-TEST(run_is_refused_in_a_job)
-{
-    program_assert_refused(
-        program_run_with("OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK=0", "run still"), 2,
-        "an MPI job of 4 ranks, and each would find all pairs; expected "
-        "'mpirun -np 4 duet cluster'");
-    program_assert_refused(program_run_with("PMI_SIZE=4 PMI_RANK=0", "run still"), 2,
-                           "expected 'mpirun -np 4 duet cluster'");
-    program p = program_done(program_run_with("PMI_SIZE=4 PMI_RANK=3", "run still"));
-    assert_string_equal(p.out, "");
-    assert_string_equal(p.err, "");
-    program_done(program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json"));
-}
-
 // mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
 // still be at work. It may have no name for a rank that has just been started.
 TEST(a_rank_that_is_killed_ends_the_job_and_leaves_no_file)
 {
-    skip_without_mpi();
     static const char kill_one[] =
         "& job=$!; children() { cat /proc/$1/task/*/children 2>/dev/null; }; rank=; "
         "until [ -n \"$rank\" ]; do for child in $(children $job); do "
@@ -896,7 +816,6 @@ TEST(a_rank_that_is_killed_ends_the_job_and_leaves_no_file)
 // The ranks are there once rank 0 opens the scene, which is a pipe.
 TEST(a_rank_that_is_stopped_is_told_of_and_goes_on)
 {
-    skip_without_mpi();
     static const char stop_one[] =
         "2>stopped.says & job=$!; "
         "children() { cat /proc/$1/task/*/children 2>/dev/null; }; "
@@ -913,12 +832,8 @@ TEST(a_rank_that_is_stopped_is_told_of_and_goes_on)
         program_run_with("DUET_RANK_SILENCE=2",
                          "cluster --ranks 3 --plain --repeat 1 --json stopped.csv %s", stop_one);
     assert_int_equal(p.exit_code, 0);
-    cJSON *o = json_of_program(&p);
+    cJSON *o = json_of_program(p);
     assert_true(json_number(o, "pairs") == 1);
 }
 
-int main(int argc, char **argv)
-{
-    asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    return test_run(NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

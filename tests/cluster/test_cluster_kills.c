@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // duet cluster --steps, --checkpoint and --resume as a person runs them: a job of which any rank is
 // killed, or which is asked to stop, at any moment, ends soon with one line, and the same command
-// goes on bit for bit. --all: far more kills. Skipped if Duet was built without MPI.
+// goes on bit for bit. --all: far more kills.
 #define _POSIX_C_SOURCE 200809L
 #include "support/json.h"
-#include "support/program.h"
 #include "support/test.h"
 
 #include "base/clock.h"
@@ -27,13 +26,10 @@ enum { STOPS = 4, STOPS_OF_ALL = 20 };
 // A job that has not ended by then hangs; a quiet machine is to see its end sooner.
 enum { HANGS_S = 60, SOON_S = 5 };
 
-static bool asks_all;
-
 // ---------------------------------------------------------------- going on
 
 TEST(steps_are_the_step_that_a_job_ends_at)
 {
-    skip_without_mpi();
     char right[32], hash[32];
     double steps;
     get_hash("run " SCENE " --steps 20 --json", right, &steps);
@@ -151,7 +147,7 @@ static double time_end(pid_t job, int *status)
     double took_s = 1e-3 * clock_ms_since(asked);
     if (took_s >= HANGS_S)
         kill(job, SIGKILL);
-    assert_true(took_s < (asks_all ? SOON_S : HANGS_S));
+    assert_true(took_s < (test_takes_all() ? SOON_S : HANGS_S));
     return took_s;
 }
 
@@ -164,9 +160,7 @@ static void wait_for_end(pid_t job, int *status)
 // Lines of mpirun itself pass through; they begin with "[", as [warn] of libevent or [HOST:PID].
 static void must_say_one_line(void)
 {
-    duet_error err = {0};
-    own(text) says = {0};
-    assert_ok(text_read_file(&says, SAYS, &err), err);
+    const text says = test_read_file(SAYS);
     int n = 0;
     for (const char *line = text_chars(&says), *end; *line; line = end + 1) {
         end = strchr(line, '\n');
@@ -214,11 +208,10 @@ static void note_end(ended *all, double took_s)
 
 TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
 {
-    skip_without_mpi();
     char job[128], right[32], hash[32];
     double steps;
     ended killed = {0};
-    int kills = asks_all ? KILLS_OF_ALL : KILLS;
+    int kills = test_takes_all() ? KILLS_OF_ALL : KILLS;
     rng r = rng_seed(test_seed());
     snprintf(job, sizeof job, SCENE " --steps %d --json", STEPS);
     char whole[320];
@@ -264,7 +257,7 @@ static double run_and_stop(const char *arguments, int n_ranks, uint64_t after_ms
     double took_s = time_end(job, &status);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return -1;
-    own(text) says = test_read_file(SAYS);
+    const text says = test_read_file(SAYS);
     assert_string_equal(text_chars(&says), "duet: stopped\n");
     assert_true(WIFSIGNALED(status));
     assert_int_equal(WTERMSIG(status), to_mpirun ? SIGINT : number);
@@ -273,11 +266,10 @@ static double run_and_stop(const char *arguments, int n_ranks, uint64_t after_ms
 
 TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
 {
-    skip_without_mpi();
     char right[32], hash[32], job[320];
     double steps;
     ended stopped = {0};
-    int stops = asks_all ? STOPS_OF_ALL : STOPS;
+    int stops = test_takes_all() ? STOPS_OF_ALL : STOPS;
     rng r = rng_seed(test_seed());
     get_hash("run " SCENE " --steps 30 --json", right, &steps);
     const uint64_t begun = clock_steady_ns();
@@ -300,8 +292,4 @@ TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit
     remove(SAYS);
 }
 
-int main(int argc, char **argv)
-{
-    asks_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    return test_run(NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 // duet verify over ranks: recordings that differ by one command, so that it is known where jobs
 // that replay them differ first.
-#include "support/program.h"
+#include "support/json.h"
 #include "support/scene_file.h"
 #include "support/test.h"
 
-#include "base/text_file.h"
-
-#include <cjson/cJSON.h>
 #include <glob.h>
 #include <sys/stat.h>
 
@@ -65,10 +62,9 @@ static program verify(const char *arguments)
 
 TEST(ranks_give_the_hash_of_one_device)
 {
-    skip_without_mpi();
     program once = program_run("run " SCENE " --steps 8 --pair cpu --json");
-    cJSON *o = cJSON_Parse(once.out);
-    const char *hash = cJSON_GetStringValue(cJSON_GetObjectItem(o, "hash"));
+    cJSON *o = json_of(once.out);
+    const char *hash = json_string(o, "hash");
     char says[120];
     assert_non_null(hash);
     snprintf(says, sizeof says, "equal: 8 steps, 25 bodies, state hash %s: 3 ranks and 1 rank\n",
@@ -76,7 +72,6 @@ TEST(ranks_give_the_hash_of_one_device)
     program p = program_done(verify("--steps 8 --ranks 3 --every 5"));
     assert_string_equal(p.out, says);
     assert_string_equal(p.err, "");
-    cJSON_Delete(o);
 }
 
 TEST(the_step_and_body_of_an_altered_command_are_found)
@@ -89,7 +84,6 @@ TEST(the_step_and_body_of_an_altered_command_are_found)
         {1, 24, "--other-ranks 2 --every 1", "different: step 1, solver, body 24: "},
         {STEPS, 9, "--ranks 3 --other-ranks 2 --every 5", "different: step 12, solver, body 9: "},
     };
-    skip_without_mpi();
     record("plain.replay", 0, 0, "push");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char arguments[120];
@@ -102,35 +96,31 @@ TEST(the_step_and_body_of_an_altered_command_are_found)
 
 TEST(the_contact_is_found_by_which_ranks_part)
 {
-    skip_without_mpi();
     record("plain.replay", 0, 0, "push");
     record("altered.replay", 6, 9, "let");
     program p = verify("--replay plain.replay --other-replay altered.replay --ranks 2 --json");
     assert_int_equal(p.exit_code, 1);
-    assert_non_null(strstr(p.err, "different: step 6, contacts, body 9: points of the contact with "
-                                  "body 0 is 4 and none: 2 ranks and 1 rank\n"));
-    cJSON *o = cJSON_Parse(p.out);
-    assert_true(cJSON_GetObjectItem(o, "steps")->valuedouble == 6);
-    cJSON *other = cJSON_GetArrayItem(cJSON_GetObjectItem(o, "runs"), 1);
-    assert_true(cJSON_GetObjectItem(other, "ranks")->valuedouble == 1);
-    cJSON_Delete(o);
+    assert_says(p.err, "different: step 6, contacts, body 9: points of the contact with "
+                       "body 0 is 4 and none: 2 ranks and 1 rank\n");
+    cJSON *o = json_of(p.out);
+    assert_true(json_number(o, "steps") == 6);
+    const cJSON *other = json_row(o, "runs", 1);
+    assert_true(json_number(other, "ranks") == 1);
 }
 
 // User data are in no state and no contact.
 TEST(what_has_no_stage_is_told_as_a_byte_of_the_checkpoints)
 {
-    skip_without_mpi();
     record("plain.replay", 0, 0, "push");
     record("altered.replay", 7, 9, "number");
     program p = verify("--replay plain.replay --other-replay altered.replay --ranks 2");
     program_assert_refused(p, 1, "different: step 7, checkpoint, byte ");
-    assert_non_null(strstr(p.err, " is 0 and 77: 2 ranks and 1 rank\n"));
+    assert_says(p.err, " is 0 and 77: 2 ranks and 1 rank\n");
 }
 
 // A recording of another scene: the job's line is the only one.
 TEST(a_job_that_fails_ends_both)
 {
-    skip_without_mpi();
     record("plain.replay", 0, 0, "push");
     program_done(program_run("run falling -n 25 --steps 12 --record falling.replay"));
     program_assert_refused(verify("--replay plain.replay --other-replay falling.replay --ranks 2"),

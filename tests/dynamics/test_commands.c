@@ -185,8 +185,7 @@ TEST(a_target_is_reached_exactly_and_carries_what_lies_on_it)
     m->def.wants = DUET_EFFECT_SLEEP;
     m->def.sleep_after = 0.1;
     mover_add_floor(m, 20);
-    uint32_t lift = mover_add(m, 0, 0, 1, 2, 2, 0.25);
-    m->bodies[lift].mass = 0;
+    uint32_t lift = mover_add_fixed(m, 0, 0, 1, 2, 2, 0.25);
     m->bodies[lift].friction = 0.6f;
     uint32_t load = mover_add_rough_cube(m, 0, 0, 1.75);
     mover_run(m, 60);
@@ -214,8 +213,7 @@ TEST(a_target_is_reached_exactly_and_carries_what_lies_on_it)
 TEST(what_has_no_mass_and_moves_wakes_what_it_newly_reaches)
 {
     mover *m = make_rows(2, 1);
-    uint32_t ram = mover_add_cube(m, -3, 0, 0.6, 1);
-    m->bodies[ram].mass = 0;
+    uint32_t ram = mover_add_fixed(m, -3, 0, 0.6, 0.5, 0.5, 0.5);
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 4);
     const duet_body pushes = {.velocity = {2, 0, 0}};
@@ -227,8 +225,7 @@ TEST(what_has_no_mass_and_moves_wakes_what_it_newly_reaches)
 TEST(a_target_wakes_what_it_reaches_in_one_step)
 {
     mover *m = make_rows(1, 1);
-    uint32_t ram = mover_add_cube(m, 8, 0, 0.6, 1);
-    m->bodies[ram].mass = 0;
+    uint32_t ram = mover_add_fixed(m, 8, 0, 0.6, 0.5, 0.5, 0.5);
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 3);
     const duet_transform there = {{0.8f, 0, 0.6f}, {0, 0, 0, 1}};
@@ -240,8 +237,7 @@ TEST(a_target_wakes_what_it_reaches_in_one_step)
 TEST(what_has_no_mass_and_is_put_elsewhere_wakes_its_neighbours)
 {
     mover *m = make_rows(2, 1);
-    uint32_t shelf = mover_add(m, 20, 0, 3, 1, 1, 0.25);
-    m->bodies[shelf].mass = 0;
+    uint32_t shelf = mover_add_fixed(m, 20, 0, 3, 1, 1, 0.25);
     uint32_t book = mover_add_rough_cube(m, 20, 0, 3.75);
     mover_run(m, 60);
     assert_int_equal(n_asleep(m), 5);
@@ -326,11 +322,7 @@ TEST(a_body_that_comes_falls_as_one_that_was_there)
     duet_state states[2][8];
     for (int late = 0; late < 2; ++late) {
         mover *m = make_rows(2, 1);
-        m->def.boundary = DUET_BOUNDARY_WALLS;
-        for (int k = 0; k < 3; ++k) {
-            m->def.lower[k] = -0.5;
-            m->def.upper[k] = 8;
-        }
+        mover_wall_in(m, -0.5, 8);
         const duet_pose pose = {{6, 3, 2}, {0.5f, 0.5f, 0.5f}, {0, 0, 0, 1}};
         duet_body b = duet_default_body();
         b.friction = 0.6f;
@@ -368,8 +360,7 @@ TEST(a_motion_can_begin_empty)
 TEST(a_floor_can_get_a_mass)
 {
     mover *m = make_rows(4, 2);
-    uint32_t plate = mover_add(m, 0, 20, 10, 3, 3, 0.25);
-    m->bodies[plate].mass = 0;
+    uint32_t plate = mover_add_fixed(m, 0, 20, 10, 3, 3, 0.25);
     for (int i = 0; i < 9; ++i)
         mover_add_rough_cube(m, 1.5 * (i % 3) - 1.5, 20 + 1.5 * (i / 3) - 1.5, 10.75);
     mover_run(m, 60);
@@ -485,15 +476,13 @@ static void assert_rests_alike(mover *twins[2], bool some)
         mover_run(twins[k], 1);
         assert_true(mover_has_stage(twins[k], "altered_pairs") == (some && k > 0));
         assert_true(mover_has_stage(twins[k], "pairs") == !(some && k > 0));
-        must(duet_motion_get_contacts(twins[k]->motion, &contacts[k], &n[k], ERR));
+        contacts[k] = mover_contacts(twins[k], &n[k]);
     }
     assert_true(mover_hash(twins[0]) == mover_hash(twins[1]));
     assert_true(n[0] == n[1]);
     for (uint64_t i = 0; i < n[0]; ++i)
         assert_true(contacts[0][i].a == contacts[1][i].a && contacts[0][i].b == contacts[1][i].b &&
                     contacts[0][i].n == contacts[1][i].n);
-    duet_free(contacts[0]);
-    duet_free(contacts[1]);
 }
 
 #define do_both(call)                            \
@@ -676,8 +665,7 @@ TEST(a_motion_that_got_commands_loads_a_file_from_before_them)
 TEST(what_commands_left_is_saved)
 {
     mover *m = make_rows(4, 2), *fresh = make_rows(4, 2);
-    uint32_t lift = mover_add(m, 3, 0, 5, 0.5, 0.5, 0.5);
-    m->bodies[lift].mass = 0;
+    uint32_t lift = mover_add_fixed(m, 3, 0, 5, 0.5, 0.5, 0.5);
     mover_add(fresh, 3, 0, 5, 0.5, 0.5, 0.5);
     fresh->bodies[lift].mass = 0;
     mover_run(m, 10);

@@ -236,9 +236,7 @@ TEST(boxes_in_one_place_give_no_nan)
 TEST(an_elastic_ball_keeps_its_energy)
 {
     mover *m = mover_new(3);
-    m->def.boundary = DUET_BOUNDARY_WALLS;
-    for (int k = 0; k < 3; ++k)
-        m->def.upper[k] = 10.0;
+    mover_wall_in(m, 0, 10.0);
     m->def.restitution_threshold = 0.0;
     uint32_t ball = mover_add_cube(m, 5, 5, 5, 0.5);
     m->bodies[ball].restitution = 1.0f;
@@ -259,10 +257,8 @@ TEST(tumbling_elastic_boxes_gain_nothing)
 {
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
-    m->def.boundary = DUET_BOUNDARY_WALLS;
+    mover_wall_in(m, 0, 8.0);
     m->def.restitution_threshold = 0.0;
-    for (int k = 0; k < 3; ++k)
-        m->def.upper[k] = 8.0;
     for (int i = 0; i < 48; ++i) {
         uint32_t id =
             mover_add(m, 1 + 2 * (i % 4), 1 + 2 * (i / 4 % 4), 1 + 2 * (i / 16), 0.3, 0.4, 0.5);
@@ -749,8 +745,4 @@ TEST(a_pile_stays_between_its_walls_and_rests)
         fail_msg("the pile moves by %g m/s", mover_greatest_speed(m));
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    return test_run(mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

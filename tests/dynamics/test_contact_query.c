@@ -408,13 +408,10 @@ TEST(the_pairs_of_a_world_have_points)
     duet_pose poses[BOXES];
     rng r = rng_seed(test_seed());
     fill(&r, poses, 3);
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     def.plan.share = DUET_SHARE_ONE / 3;
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    duet_result result;
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, ERR));
-    must(duet_world_step(world, &result, ERR));
+    duet_world *world = create_world(&def);
+    duet_result result = step_with(world, DUET_OBJECT_POSES, poses, BOXES);
     assert_true(result.spans[0].n > 0 && result.spans[1].n > 0);
     duet_contact_query *query = open_contact_query(DUET_SHAPE_POSES, 3, DUET_SHARE_DEFAULT, 0);
     duet_contact_query_result found;
@@ -436,9 +433,8 @@ TEST(a_delta_is_what_two_steps_differ_by)
     static bool was[BOXES][BOXES], is[BOXES][BOXES];
     rng r = rng_seed(test_seed());
     fill(&r, poses, 3);
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world_def def = devices_def(3);
+    duet_world *world = create_world(&def);
     duet_pair_delta *delta = must(duet_pair_delta_create(ERR));
     uint64_t told[3] = {0};
     memset(was, 0, sizeof was);

@@ -330,8 +330,7 @@ static mover *make_cubes(bool doubles)
 
 static uint32_t add_sensor(mover *m, double x, double z, double half)
 {
-    uint32_t id = mover_add(m, x, 0, z, half, half, half);
-    m->bodies[id].mass = 0;
+    uint32_t id = mover_add_fixed(m, x, 0, z, half, half, half);
     m->bodies[id].sensor = true;
     return id;
 }
@@ -405,8 +404,7 @@ TEST(a_sensor_without_mass_sees_what_has_none)
         m->def.skin = without->def.skin = 0.1 * skin;
         for (int k = 0; k < 2; ++k) {
             mover *one = k ? without : m;
-            uint32_t lift = mover_add(one, -8, 0, 3, 0.4, 0.4, 0.4);
-            one->bodies[lift].mass = 0;
+            mover_add_fixed(one, -8, 0, 3, 0.4, 0.4, 0.4);
         }
         uint32_t still = add_sensor(m, -5, 3, 0.3), low = add_sensor(m, -9, 0, 0.3);
         uint32_t masked = add_sensor(m, 9, 0, 0.3);
@@ -435,11 +433,7 @@ TEST(a_sensor_without_mass_sees_what_has_none)
 TEST(sensors_do_not_see_sensors_and_fall_through_all)
 {
     mover *m = make_cubes(false);
-    m->def.boundary = DUET_BOUNDARY_WALLS;
-    for (int k = 0; k < 3; ++k) {
-        m->def.lower[k] = -9;
-        m->def.upper[k] = 9;
-    }
+    mover_wall_in(m, -9, 9);
     uint32_t falls = add_sensor(m, 0, 2, 0.3), other = add_sensor(m, 0, 2.2, 0.3);
     uint32_t blind = add_sensor(m, 0, 0.5, 0.3);
     m->bodies[falls].mass = m->bodies[other].mass = 1;

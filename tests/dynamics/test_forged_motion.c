@@ -37,11 +37,7 @@ static const char *const kind_names[KINDS] = {"pile",      "flat groups",   "pla
 
 static void add_walls(mover *m, double half)
 {
-    m->def.boundary = DUET_BOUNDARY_WALLS;
-    for (int k = 0; k < 3; ++k) {
-        m->def.lower[k] = -half;
-        m->def.upper[k] = half;
-    }
+    mover_wall_in(m, -half, half);
 }
 
 static const float heights[] = {-1, -2, 0, -1.5f, -1, -1};
@@ -490,7 +486,7 @@ static void forge(rng *r, forger *f, uint32_t *n_loaded)
     }
     uint64_t hash = 0;
     assert_true(err.status == DUET_STATUS_BAD_INPUT && !strchr(err.text, '\n'));
-    assert_non_null(strstr(err.text, path));
+    assert_says(err.text, path);
     err = (duet_error){0};
     must(duet_motion_get_hash(f->m->motion, &hash, ERR));
     assert_true(hash == f->hash);

@@ -173,11 +173,10 @@ static vector way_out(const asked *a)
 
 static void ask(mover *m, asked *of)
 {
-    duet_contact *contacts;
     uint64_t n;
     mover_run(m, 1);
     memset(of, 0, m->n * sizeof *of);
-    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
+    const duet_contact *contacts = mover_contacts(m, &n);
     for (uint64_t i = 0; i < n; ++i) {
         const duet_contact *c = &contacts[i];
         asked *a = &of[c->a];
@@ -188,7 +187,6 @@ static void ask(mover *m, asked *of)
             (vector){-(double)c->normal[0], -(double)c->normal[1], -(double)c->normal[2]};
         a->depth[a->n++] = -ground_least_of(c);
     }
-    duet_free(contacts);
 }
 
 // ---------------------------------------------------------------- bodies

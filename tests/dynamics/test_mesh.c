@@ -131,13 +131,12 @@ static uint32_t count_of(const duet_contact *list, uint64_t n, uint32_t id, uint
 
 static uint32_t compare_contacts(mover *m, mover *truth)
 {
-    duet_contact *contacts, *expected;
     uint64_t n, n_expected;
     uint32_t compared = 0;
     mover_run(m, 1);
     mover_run(truth, 1);
-    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
-    must(duet_motion_get_contacts(truth->motion, &expected, &n_expected, ERR));
+    const duet_contact *contacts = mover_contacts(m, &n),
+                       *expected = mover_contacts(truth, &n_expected);
     for (uint64_t i = 0; i < n_expected; ++i) {
         const duet_contact *e = &expected[i];
         if (e->b != m->n + 6)
@@ -159,8 +158,6 @@ static uint32_t compare_contacts(mover *m, mover *truth)
                      -ground_least_of(e), e->n);
         ++compared;
     }
-    duet_free(contacts);
-    duet_free(expected);
     return compared;
 }
 

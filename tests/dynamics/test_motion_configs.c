@@ -12,7 +12,6 @@
 
 enum { STEPS = 6, MOST_OFFERS = 64 };
 
-static bool take_all;
 static bool are_round; // every other body, a sphere
 
 // ---------------------------------------------------------------- launches
@@ -133,11 +132,7 @@ static mover *make_scene(uint32_t dims, bool pushes)
     m->def.gravity[1] = -3.0;
     m->def.drag = 0.3;
     m->def.skin = pushes ? 0.1 : 0.0;
-    m->def.boundary = DUET_BOUNDARY_WALLS;
-    for (int k = 0; k < 3; ++k) {
-        m->def.lower[k] = pushes ? -0.51 : -10.0;
-        m->def.upper[k] = pushes ? 2.7 : 30.0;
-    }
+    mover_wall_in(m, pushes ? -0.51 : -10.0, pushes ? 2.7 : 30.0);
     for (int i = 0; i < (dims == 3 ? 27 : 9); ++i) {
         uint32_t id = mover_add_cube(m, apart * (i % 3), apart * (i / 3 % 3), apart * (i / 9), 1);
         duet_body *b = &m->bodies[id];
@@ -170,7 +165,7 @@ static void try_launches(uint32_t dims, bool pushes, rng *r)
 {
     memset(launches, 0, sizeof launches);
     uint64_t truth = run(dims, pushes, "the cards' launches");
-    for (int i = 0; i < (take_all ? 12 : 1); ++i) {
+    for (int i = 0; i < (test_takes_all() ? 12 : 1); ++i) {
         char what[700];
         draw_launches(r);
         tell_launches(what, sizeof what);
@@ -186,15 +181,11 @@ TEST(any_launch_gives_the_same_state_and_writes_nothing_else)
     generator = kept(gen_open(NULL, ERR));
     are_round = rng_below(&r, 2) > 0;
     try_launches(3, true, &r);
-    for (int round = 0; take_all && round < 4; ++round) {
+    for (int round = 0; test_takes_all() && round < 4; ++round) {
         are_round = round % 2 > 0;
         try_launches(round / 2 ? 3 : 2, false, &r);
         try_launches(round / 2 ? 3 : 2, true, &r);
     }
 }
 
-int main(int argc, char **argv)
-{
-    take_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    return test_run(mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -161,8 +161,7 @@ TEST(the_cell_that_bounds_count_from_changes_no_bit)
     for (size_t i = 0; i < sizeof far / sizeof far[0]; ++i) {
         mover *m = mover_new(3);
         m->def.origin_edge = 16;
-        uint32_t first = mover_add_cube(m, far[i], far[i] / 2, 3, 1);
-        m->bodies[first].mass = 0;
+        mover_add_fixed(m, far[i], far[i] / 2, 3, 0.5, 0.5, 0.5);
         mover_add_pyramid(m, 5);
         mover_run(m, 30);
         size_t bytes = (m->n - 1) * sizeof *m->states;

@@ -116,9 +116,8 @@ TEST(points_are_between_the_surfaces)
                 draw_body(m, &r);
             mover_run(m, 1);
             assert_true(duet_motion_get_effects(m->motion) & DUET_EFFECT_RADIUS);
-            duet_contact *contacts = NULL;
             uint64_t n = 0;
-            must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
+            duet_contact *contacts = mover_contacts(m, &n);
             for (uint64_t c = 0; c < n; ++c) {
                 check_contact(m, &contacts[c], 0.02);
                 ++points[contacts[c].n];
@@ -127,7 +126,6 @@ TEST(points_are_between_the_surfaces)
                 for (uint32_t b = 0; b < a; ++b)
                     assert_has_contact(m, contacts, n, a, b);
             touching += (uint32_t)n;
-            duet_free(contacts);
         }
         assert_true(touching > PAIRS / 4 && points[1] > 0 && points[2] > 0);
     }
@@ -141,12 +139,9 @@ static duet_contact contact_of_two(const double half[3], double radius, const do
     add_round(m, 0, 0, 0, half, radius);
     add_round(m, apart[0], apart[1], apart[2], other, other_radius);
     mover_run(m, 1);
-    duet_contact *contacts = NULL, one = {.n = 0};
     uint64_t n = 0;
-    must(duet_motion_get_contacts(m->motion, &contacts, &n, ERR));
-    if (n == 1)
-        one = contacts[0];
-    duet_free(contacts);
+    const duet_contact *contacts = mover_contacts(m, &n),
+                       one = n == 1 ? contacts[0] : (duet_contact){.n = 0};
     return one;
 }
 

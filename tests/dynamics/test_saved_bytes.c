@@ -83,10 +83,10 @@ TEST(the_bytes_of_a_state_do_not_tell_which_devices_made_it)
     for (int i = 0; i < 4; ++i) {
         int kind = (int)rng_below(&r, KINDS);
         uint32_t steps = 1 + rng_below(&r, 60);
-        own(text) right = bytes_after(one, kind, &ways[0], steps);
+        const text right = bytes_after(one, kind, &ways[0], steps);
         for (int k = 0; k < WAYS; ++k) {
             bool is_one = strcmp(ways[k].pair, "cpu") == 0;
-            own(text) bytes = bytes_after(is_one ? one : two, kind, &ways[k], steps);
+            const text bytes = bytes_after(is_one ? one : two, kind, &ways[k], steps);
             bool same = bytes.length == right.length &&
                         memcmp(text_chars(&bytes), text_chars(&right), right.length) == 0;
             if (!same)

@@ -220,10 +220,8 @@ TEST(tumbling_boxes_gain_nothing)
     rng r = rng_seed(test_seed());
     mover *m = mover_new(3);
     m->def.wants |= DUET_EFFECT_SHOCKS;
-    m->def.boundary = DUET_BOUNDARY_WALLS;
+    mover_wall_in(m, 0, 8.0);
     m->def.restitution_threshold = 0.0;
-    for (int k = 0; k < 3; ++k)
-        m->def.upper[k] = 8.0;
     add_tumbling(m, &r);
     double before = mover_energy(m).kinetic, most = 0.0, left = 0.0;
     for (int i = 0; i < 20; ++i) {
@@ -241,9 +239,7 @@ static uint64_t hash_by(const char *variant)
     rng r = rng_seed(1);
     mover *m = mover_new(3);
     m->def.wants |= DUET_EFFECT_SHOCKS;
-    m->def.boundary = DUET_BOUNDARY_WALLS;
-    for (int k = 0; k < 3; ++k)
-        m->def.upper[k] = 8.0;
+    mover_wall_in(m, 0, 8.0);
     strcpy(m->def.plan.variant_b, variant);
     add_tumbling(m, &r);
     mover_run(m, 100);
@@ -259,8 +255,4 @@ TEST(the_bits_are_those_of_any_launch)
                 hash);
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    return test_run(mover_open_pair, mover_close_pair);
-}
+TEST_MAIN(mover_open_pair, mover_close_pair)

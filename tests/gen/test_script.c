@@ -168,7 +168,7 @@ TEST(every_run_gives_the_same)
     const char *said = lua_tostring(script_lua(a), -1);
     assert_string_equal(said, lua_tostring(script_lua(b), -1));
     assert_int_equal(strncmp(said, "0.5=half,1=3,2=1,3=2,k", 22), 0);
-    assert_non_null(strstr(said, "false=no,true=yes"));
+    assert_says(said, "false=no,true=yes");
     script_close(a);
     script_close(b);
 }
@@ -211,6 +211,83 @@ TEST(memory_that_ends_while_the_stack_grows_is_told_with_a_line)
         refuse(s, "\nlocal function f(n) return 1 + f(n + 1) end\nf(1)",
                "card.lua:2: needs more than the");
     }
+}
+
+// ---------------------------------------------------------------- what a sandbox has of Lua
+
+static void assert_returns(const char *chunk, const char *wanted)
+{
+    duet_error err = {0};
+    script *s = sandbox_open(NULL, &err);
+    must(s && script_run(s, "card.lua", chunk, strlen(chunk), 1, ERR));
+    assert_string_equal(lua_tostring(script_lua(s), -1), wanted);
+    script_close(s);
+}
+
+TEST(find_finds_plain_text_as_lua_does)
+{
+    assert_returns(
+        "local s, out = 'aXbXc', {}\n"
+        "for i, row in ipairs({ { 'X' }, { 'X', 3 }, { 'X', -2 }, { 'X', -9 }, { '' },\n"
+        "                       { '', 6 }, { '', 7 }, { 'Xc', 0 }, { 'x' },\n"
+        "                       { 'c', math.mininteger }, { 'c', math.maxinteger } }) do\n"
+        "  local from, to = s:find(row[1], row[2])\n"
+        "  out[i] = tostring(from) .. '-' .. tostring(to)\n"
+        "end\n"
+        "return table.concat(out, ' ')",
+        "2-2 4-4 4-4 2-2 1-0 6-5 nil-nil 4-5 nil-nil 5-5 nil-nil");
+    assert_returns("return ('1+1'):find('+', 1, true) .. ''", "2");
+}
+
+TEST(patterns_are_refused_with_their_line)
+{
+    static const char *const chunks[] = {"('a'):find('a*')", "('a'):match('a')",
+                                         "for x in ('a'):gmatch('a') do end",
+                                         "string.gsub('a', 'a', 'b')"};
+    for (size_t i = 0; i < sizeof chunks / sizeof *chunks; ++i) {
+        script *s = kept(sandbox_open(NULL, ERR));
+        must_fail(script_run(s, "card.lua", chunks[i], strlen(chunks[i]), 0, ERR),
+                  DUET_STATUS_BAD_INPUT, "card.lua:1: ");
+        assert_says(ERR->text, "find(s, text, 1, true) finds plain text");
+    }
+}
+
+TEST(sort_keeps_equal_values_in_their_order)
+{
+    assert_returns("local t = {}\n"
+                   "for i = 1, 1000 do t[i] = { key = i * 7 % 10, place = i } end\n"
+                   "table.sort(t, function(a, b) return a.key < b.key end)\n"
+                   "for i = 2, 1000 do\n"
+                   "  local a, b = t[i - 1], t[i]\n"
+                   "  assert(a.key < b.key or a.key == b.key and a.place < b.place)\n"
+                   "end\n"
+                   "return #t .. ''",
+                   "1000");
+    assert_returns("local t = { 3, 1.5, -2, 10, 1 } table.sort(t) return table.concat(t, ' ')",
+                   "-2 1 1.5 3 10");
+    assert_returns("local t = { 'b', 'a', 'ab', '' } table.sort(t) return table.concat(t, ' ')",
+                   " a ab b");
+}
+
+TEST(move_moves_as_lua_does)
+{
+    assert_returns("local t = table.move({ 1, 2, 3, 4, 5 }, 1, 4, 2) return table.concat(t, ' ')",
+                   "1 1 2 3 4");
+    assert_returns("local t = table.move({ 1, 2, 3, 4, 5 }, 2.0, 5, 1) return table.concat(t, ' ')",
+                   "2 3 4 5 5");
+    assert_returns("local t = table.move({ 1, 2 }, 1, 2, 3, { 8, 9 }) return table.concat(t, ' ')",
+                   "8 9 1 2");
+}
+
+TEST(no_address_is_shown)
+{
+    assert_returns("local t, f = {}, function() end\n"
+                   "return table.concat({ tostring(t), tostring(f), tostring(t), tostring(print),\n"
+                   "                      ('%s %5s %%s %q'):format({}, 'x', 'y') }, ', ')",
+                   "table: 1, function: 2, table: 1, nil, table: 3     x %s \"y\"");
+    assert_returns("return tostring(1) .. tostring(1.5) .. tostring('a') .. tostring(nil) ..\n"
+                   "       tostring(true)",
+                   "11.5aniltrue");
 }
 
 TEST_MAIN(NULL, NULL)

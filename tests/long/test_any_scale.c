@@ -93,9 +93,7 @@ TEST(scenes_of_any_scale_are_found_whole)
     uint64_t pairs = 0;
     for (int round = 0; round < rounds; ++round) {
         drawing d = draw(&r);
-        duet_world_def def = duet_default_world_def();
-        def.pair = devices;
-        def.dims = rng_below(&r, 2) ? 3 : 2;
+        duet_world_def def = devices_def(rng_below(&r, 2) ? 3 : 2);
         def.shape = rng_below(&r, 2) ? DUET_SHAPE_POSES : DUET_SHAPE_BOUNDS;
         def.rotated = rng_below(&r, 2);
         if (rng_below(&r, 3) == 0)
@@ -119,8 +117,4 @@ TEST(scenes_of_any_scale_are_found_whole)
     assert_true(pairs > 0);
 }
 
-int main(void)
-{
-    test_take_all();
-    return test_run(open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

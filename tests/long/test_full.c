@@ -36,8 +36,7 @@ static void check_scene(const char *name, const char *n)
     duet_free(expected);
     print_message("%s, %s objects: %" PRIu64 " pairs, hash %016" PRIx64 "\n", name, n, pairs, hash);
 
-    duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = kept(duet_device_pair_create(&pair_def, ERR));
+    duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
     duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_scene(world, scene, ERR));

@@ -49,7 +49,7 @@ static uint64_t pairs_of(const scene *s, duet_world_def def, const char *words)
     def.pair = devices;
     def.plan = (duet_plan){.mode = DUET_MODE_OWN};
     set_variants(&def.plan, words);
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     must(def.shape == DUET_SHAPE_POSES
              ? duet_world_set_objects(world, DUET_OBJECT_POSES, s->poses, OBJECTS, ERR)
              : duet_world_set_objects(world, DUET_OBJECT_BOUNDS, s->bounds, OBJECTS, ERR));

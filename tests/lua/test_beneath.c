@@ -96,8 +96,5 @@ TEST(a_folder_called_file_is_no_way_out)
         "there is no profile store");
 }
 
-int main(void)
-{
-    test_each(make_folders, NULL);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(make_folders, NULL)
+TEST_MAIN(NULL, NULL)

@@ -88,10 +88,8 @@ TEST(what_is_shown_says_what_it_is)
                                "  1  -10  0  0  1  1    1\n"
                                "duet.pairs of 9 rows\n";
     assert_true(strncmp(p.out, rows, strlen(rows)) == 0);
-    assert_non_null(strstr(p.out, "\n  7  0  0\n  ...\nduet.scene\n"));
-    assert_non_null(strstr(p.out, "\n  shape         \"bounds\"\n"));
-    assert_non_null(strstr(p.out, "\nname    "));
-    assert_non_null(strstr(p.out, "\nclear   "));
+    assert_says(p.out, "\n  7  0  0\n  ...\nduet.scene\n", "\n  shape         \"bounds\"\n",
+                "\nname    ", "\nclear   ");
 }
 
 TEST(help_is_of_the_prompt)
@@ -99,14 +97,11 @@ TEST(help_is_of_the_prompt)
     test_write_file(SCRIPT,
                     "help\nhelp(duet.scene)\nhelp(duet.bounds(1))\nhelp 'DevicePair'\nhelp 'no'\n");
     program p = program_done(program_run("lua <" SCRIPT));
-    assert_non_null(strstr(p.out, "Tab completes names"));
-    assert_non_null(strstr(p.out, "  duet.scene(from, settings?)  "));
-    assert_non_null(strstr(p.out, "  duet.Bounds:each("));
-    assert_non_null(strstr(p.out, "rows of lower xyz, upper xyz. Made of a number of rows"));
-    assert_non_null(strstr(p.out, "\n  answers bodies bounds bounds_sweeps "));
+    assert_says(p.out, "Tab completes names", "  duet.scene(from, settings?)  ",
+                "  duet.Bounds:each(", "rows of lower xyz, upper xyz. Made of a number of rows",
+                "\n  answers bodies bounds bounds_sweeps ");
     assert_null(strstr(p.out, "  duet.answers(from)")); // arrays have no rows of their own
-    assert_non_null(strstr(p.out, "  duet.DevicePair:world(scene?, def?)  "));
-    assert_non_null(strstr(p.out, "there is no help on 'no'"));
+    assert_says(p.out, "  duet.DevicePair:world(scene?, def?)  ", "there is no help on 'no'");
     assert_prints("lua -e 'print(help)'", "nil\n");
 }
 
@@ -239,10 +234,7 @@ TEST(a_wrong_command_line_is_refused)
 
 TEST(a_hostile_script_ends_with_its_line)
 {
-    static const struct {
-        const char *script;
-        const char *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"\nwhile true do end", ":2: runs for more than the 0.5 s"},
         {"\nlocal t = {}\nfor i = 1, 1e9 do t[i] = { i } end", ":3: needs more than the 16 MiB"},
         {"local s = 'x'\n\nfor i = 1, 60 do s = s .. s end", ":3: needs more than the 16 MiB"},
@@ -272,7 +264,7 @@ TEST(a_hostile_script_ends_with_its_line)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char says[160];
         snprintf(says, sizeof says, SCRIPT "%s", cases[i].says);
-        test_write_file(SCRIPT, cases[i].script);
+        test_write_file(SCRIPT, cases[i].given);
         bool by_time = strstr(says, "0.5 s");
         assert_refused(by_time ? "lua --seconds 0.5 --memory 16 " SCRIPT
                                : "lua --seconds 30 --memory 16 " SCRIPT,

@@ -65,9 +65,7 @@ static reference_found reference_of(const crowd *c, duet_level level)
                                  .poses = c->poses,
                                  .level = level,
                                  .rotated = c->rotated};
-    reference_found found = {0};
-    must(reference_find(&objects, REFERENCE_EACH_WITH_EACH, &found, ERR));
-    return found;
+    return found_by(&objects, REFERENCE_EACH_WITH_EACH);
 }
 
 static duet_world *open_world(duet_device_pair *pair, const crowd *c)
@@ -76,8 +74,7 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
     def.pair = pair;
     def.dims = c->dims;
     def.rotated = c->rotated;
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, c->poses, c->n, ERR));
+    duet_world *world = create_world_of(&def, DUET_OBJECT_POSES, c->poses, c->n);
     return world;
 }
 
@@ -86,12 +83,9 @@ static duet_world *open_world(duet_device_pair *pair, const crowd *c)
 static void step(duet_world *world, const crowd *c, duet_level level, const reference_found *truth,
                  const char *search, uint32_t share)
 {
-    duet_plan plan = {.share = share, .mode = DUET_MODE_OWN};
-    strcpy(plan.variant_a, share == DUET_SHARE_ONE ? search : "gpu");
-    strcpy(plan.variant_b, search);
-    duet_result result;
-    must(duet_world_set_plan(world, &plan, ERR));
-    must(duet_world_step(world, &result, ERR));
+    duet_plan plan =
+        plan_of(DUET_MODE_OWN, share, share == DUET_SHARE_ONE ? search : "gpu", search);
+    duet_result result = step_by(world, &plan);
     if (duet_result_get_hash(&result) != duet_pairs_hash(truth->pairs, truth->n))
         fail_msg("%uD rotated %d %s, %s at %" PRIu32 ": %" PRIu64 " pairs; expected the %" PRIu64
                  " of the reference",
@@ -120,7 +114,6 @@ static void try_levels(duet_device_pair *pair, const crowd *c)
                 if (shares[k] < DUET_SHARE_ONE || s == (size_t)l)
                     step(world, c, level, &truth, searches[s], shares[k]);
         }
-        duet_free(truth.pairs);
     }
 }
 
@@ -138,14 +131,9 @@ TEST(devices_find_each_levels_reference)
 
 TEST(a_level_that_there_is_not_is_refused)
 {
-    duet_world_def world = duet_default_world_def();
-    world.pair = devices;
+    duet_world_def world = devices_def(3);
     world.level = (duet_level)DUET_LEVELS;
     must_fail(duet_world_create(&world, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    return test_run(open_devices, close_devices);
-}
+TEST_MAIN(open_devices, close_devices)

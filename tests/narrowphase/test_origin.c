@@ -187,23 +187,20 @@ static uint64_t check_cloud(const double at[3])
     duet_scene *scene =
         kept(duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, ERR));
     duet_world_def def = duet_scene_world_def(scene, devices);
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     must(duet_world_set_scene(world, scene, ERR));
-    duet_pair *pairs = NULL;
-    uint64_t n = 0;
-    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
-    assert_true(n > 300);
-    uint64_t hash = duet_pairs_hash(pairs, n), candidates = 0;
+    const known_pairs truth = known_pairs_of_scene(scene, DUET_LEVEL_CERTIFIED);
+    uint64_t candidates = 0;
+    assert_true(truth.n > 300);
     for (int i = 0; i < 3; ++i) {
         duet_result result;
         def.plan.mode = ways[i].mode;
         set_variants(&def.plan, ways[i].variant);
-        assert_true(step_hash(world, &def.plan, &result) == hash);
+        assert_true(step_hash(world, &def.plan, &result) == truth.hash);
         assert_true(i == 0 || result.candidates == candidates);
         candidates = result.candidates;
     }
-    duet_free(pairs);
-    return hash + candidates;
+    return truth.hash + candidates;
 }
 
 TEST(a_cloud_far_away_has_the_pairs_of_the_one_at_0)
@@ -231,7 +228,7 @@ TEST(a_world_says_what_origin_cells_do_not_go_with)
     def.shape = DUET_SHAPE_BOUNDS;
     refuse_world(&def, "origin cells are for poses");
     def.shape = DUET_SHAPE_POSES;
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     must_fail(duet_world_map_objects(world, DUET_OBJECT_POSES, 1, ERR), DUET_STATUS_BAD_ARGUMENT,
               "made for large poses, not for poses");
 }
@@ -240,7 +237,7 @@ TEST(an_offset_that_is_not_settled_is_a_bad_object)
 {
     const float wrong[] = {LARGE_EDGE, -LARGE_EDGE / 2, 0.05f, LARGE_EDGE * 0x1p-25f, NAN};
     duet_world_def def = large_def(3, true);
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world *world = create_world(&def);
     for (int i = 0; i < 5; ++i) {
         duet_large_pose *to = must(duet_world_map_objects(world, DUET_OBJECT_LARGE_POSES, 2, ERR));
         to[0] = to[1] = (duet_large_pose){.pose = {{0}, {1, 1, 1}, {0, 0, 0, 1}}};
@@ -300,11 +297,7 @@ TEST(a_script_s_doubles_reach_their_cells)
     const duet_large_pose *p = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     assert_int_equal(p[1].cell[0], 10000001);
     assert_true(fabs(p[1].pose.centre[0] - 0.2) < 1e-7);
-    duet_pair *pairs = NULL;
-    uint64_t n = 0;
-    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
-    assert_int_equal(n, 1);
-    duet_free(pairs);
+    assert_int_equal(known_pairs_of_scene(scene, DUET_LEVEL_CERTIFIED).n, 1);
 }
 
 static void refuse_scene(const char *name, const char *text, const char *setting, const char *words)

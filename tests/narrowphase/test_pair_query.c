@@ -66,9 +66,8 @@ TEST(a_step_s_candidates_tested_alone_are_its_pairs)
 {
     static duet_pose objects[OBJECTS];
     duet_result result;
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    duet_world *world = kept(duet_world_create(&def, ERR));
+    duet_world_def def = devices_def(3);
+    duet_world *world = create_world(&def);
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, objects, (uint32_t)random_scene(objects),
                                 ERR));
     step_at(world, DUET_LEVEL_AABB, &result);

@@ -497,8 +497,5 @@ TEST(a_device_keeps_what_was_built_last)
     assert_int_equal(device_live_objects(), 0);
 }
 
-int main(void)
-{
-    test_each(make_dir, remove_dir);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(make_dir, remove_dir)
+TEST_MAIN(NULL, NULL)

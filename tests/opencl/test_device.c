@@ -322,7 +322,7 @@ TEST(pocls_cpus_are_known)
         assert_int_equal((driver_quirks(&info) & DRIVER_IN_PLACE) != 0, cases[i].in_place);
         uint32_t n = 0;
         for (const char *quirk; (quirk = duet_device_info_get_quirk(&info, n)); ++n)
-            assert_non_null(strstr(quirk, ": Duet"));
+            assert_says(quirk, ": Duet");
         assert_int_equal(n, cases[i].n_quirks);
     }
 }
@@ -535,8 +535,5 @@ TEST(every_built_in_function_that_a_kernel_calls_is_declared)
     gen_close(g);
 }
 
-int main(void)
-{
-    test_each(NULL, test_leaves_no_object);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(NULL, test_leaves_no_object)
+TEST_MAIN(NULL, NULL)

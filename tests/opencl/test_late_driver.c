@@ -5,7 +5,6 @@
 #include "support/devices.h"
 #include "support/test.h"
 
-#include "runtime/opencl/device_list.h"
 #include "runtime/opencl/timeline.h"
 
 #include <dlfcn.h>

@@ -461,9 +461,8 @@ TEST(a_broken_motion_is_loaded_while_parts_are_mapped)
 static int open_devices(void **state)
 {
     (void)state;
-    duet_device_pair_def def = duet_default_device_pair_def();
     lost_begin(LOST_FOR_EVER, UINT32_MAX);
-    pair = must(duet_device_pair_create(&def, ERR));
+    pair = must(duet_device_pair_open(NULL, ERR));
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = pair->devices[side].info.host_memory;
     lost_know(pair);

@@ -550,8 +550,5 @@ TEST(a_profile_comes_back_with_all_that_was_measured)
     assert_string_equal(found.terms, "{\"T_1\":1.5}");
 }
 
-int main(void)
-{
-    test_each(begin, NULL);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(begin, NULL)
+TEST_MAIN(NULL, NULL)

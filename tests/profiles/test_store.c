@@ -16,7 +16,7 @@ static void write_bytes(const char *path, const char *bytes, size_t n)
 
 static void assert_file_is(const char *path, const char *bytes, size_t n)
 {
-    own(text) t = test_read_file(path);
+    const text t = test_read_file(path);
     assert_int_equal(t.length, n);
     assert_memory_equal(t.chars, bytes, n);
 }
@@ -219,7 +219,7 @@ TEST(another_programs_database_is_left_as_it_is)
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         test_folder folder = test_folder_make();
         test_store_run(folder.store, others[i]);
-        own(text) before = test_read_file(folder.store);
+        const text before = test_read_file(folder.store);
         test_store_refuses(folder.store, STORE_WRITE, DUET_STATUS_STORE_FAILED,
                            "another program's");
         test_store_refuses(folder.store, STORE_READ, DUET_STATUS_STORE_FAILED, "another program's");
@@ -238,10 +238,8 @@ TEST(a_folder_and_a_pipe_are_no_store)
 TEST(a_truncated_store_is_reported_and_kept)
 {
     test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
-    store_close(s);
-    own(text) whole = test_read_file(folder.store);
+    test_store_tune(folder.store);
+    const text whole = test_read_file(folder.store);
     for (size_t n = whole.length - 4096; n > 100; n /= 3) {
         write_bytes(folder.store, whole.chars, n);
         test_store_refuses(folder.store, STORE_WRITE, DUET_STATUS_STORE_FAILED, "damaged");
@@ -258,7 +256,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
     store *s = test_store_open(folder.store, STORE_WRITE);
     test_tune(s, &pair, &workload);
     store_close(s);
-    own(text) whole = test_read_file(folder.store);
+    const text whole = test_read_file(folder.store);
     rng r = rng_seed(test_seed());
     profile_request request = test_request(&pair, &workload);
     int refused = 0;
@@ -276,7 +274,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
         bool ok = profile_lookup_files(folder.store, NULL, &request, &found, &why, &failure);
         assert_int_equal(failure.status, ok ? DUET_STATUS_OK : DUET_STATUS_STORE_FAILED);
         if (!ok) {
-            assert_non_null(strstr(failure.text, folder.store));
+            assert_says(failure.text, folder.store);
             assert_int_equal(found.grade, PROFILE_DEFAULT);
         }
         refused += !ok;
@@ -288,9 +286,7 @@ TEST(a_damaged_store_never_crashes_a_look_up)
 // Whatever such a file says to be is run when a table of that name is read.
 TEST(a_view_or_trigger_of_a_stranger_is_refused)
 {
-    static const struct {
-        const char *statements, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"ALTER TABLE profile RENAME TO old; CREATE VIEW profile AS SELECT old.* FROM old, (WITH "
          "RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r) SELECT x FROM r) WHERE x < 0",
          "holds a view 'profile' that Duet does not make"},
@@ -302,7 +298,7 @@ TEST(a_view_or_trigger_of_a_stranger_is_refused)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         test_folder folder = test_folder_make();
         store *s = test_store_open(folder.store, STORE_WRITE);
-        must(sql_script(s, cases[i].statements, ERR));
+        must(sql_script(s, cases[i].given, ERR));
         store_close(s);
         for (int k = 0; k < 2; ++k)
             must_fail(store_open(folder.store, accesses[k], ERR), DUET_STATUS_STORE_FAILED,
@@ -322,6 +318,70 @@ TEST(a_failure_inside_undoes_the_whole_transaction)
     must_fail(store_end(s, false, ERR), DUET_STATUS_OK, "");
     must_fail(store_end(s, true, ERR), DUET_STATUS_OK, "");
     assert_int_equal(test_count(s, "audit"), 0);
+}
+
+// ---------------------------------------------------------------- stores of other versions
+
+TEST(a_store_of_another_version_is_refused_and_left_as_it_is)
+{
+    static const int versions[] = {1, STORE_FIRST_VERSION - 1, STORE_VERSION + 1, 99};
+    test_folder folder = test_folder_make();
+    store_close(test_store_open(folder.store, STORE_WRITE));
+    for (size_t i = 0; i < sizeof versions / sizeof *versions; ++i) {
+        char words[64];
+        snprintf(words, sizeof words, "PRAGMA user_version = %d", versions[i]);
+        test_store_run(folder.store, words);
+        snprintf(words, sizeof words, "is of version %d, and this Duet knows", versions[i]);
+        test_store_refuses(folder.store, STORE_READ, DUET_STATUS_STORE_FAILED, words);
+        test_store_refuses(folder.store, STORE_WRITE, DUET_STATUS_STORE_FAILED, words);
+    }
+}
+
+// One step, as a later version would bring it.
+static const char *const upgrades[] = {
+    "ALTER TABLE profile ADD COLUMN colour TEXT;"
+    "CREATE TABLE extra (id INTEGER PRIMARY KEY) STRICT; INSERT INTO extra VALUES (7)",
+    NULL,
+};
+
+static const char *const broken_upgrades[] = {
+    "ALTER TABLE profile ADD COLUMN colour TEXT",
+    "INSERT INTO no_such_table VALUES (1)",
+    NULL,
+};
+
+static int64_t version_of(store *s)
+{
+    int64_t version = 0;
+    must(sql_number(s, "PRAGMA user_version", &version, ERR));
+    return version;
+}
+
+TEST(an_older_store_is_copied_and_upgraded)
+{
+    test_folder folder = test_folder_make();
+    store *s = test_store_open(folder.store, STORE_WRITE);
+    test_tune_usual(s);
+    must(migrate_upgrade(s, upgrades, ERR));
+    assert_int_equal(version_of(s), STORE_FIRST_VERSION + 1);
+    assert_int_equal(test_count(s, "profile WHERE colour IS NULL"), 1);
+    assert_int_equal(test_count(s, "extra"), 1);
+    char copy[128];
+    snprintf(copy, sizeof copy, "%s.v%d", folder.store, STORE_FIRST_VERSION);
+    assert_says(store_note(s), copy);
+    store_close(s);
+    s = test_store_open(copy, STORE_READ);
+    assert_int_equal(test_count(s, "profile"), 1);
+    assert_int_equal(test_count(s, "sqlite_schema WHERE name = 'extra'"), 0);
+    store_close(s);
+}
+
+TEST(an_upgrade_that_fails_changes_nothing)
+{
+    store *s = test_store_fresh();
+    must_fail(migrate_upgrade(s, broken_upgrades, ERR), DUET_STATUS_STORE_FAILED, "");
+    assert_int_equal(version_of(s), STORE_FIRST_VERSION);
+    assert_int_equal(test_count(s, "pragma_table_info('profile') WHERE name = 'colour'"), 0);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -66,9 +66,7 @@ static void write_without_rights(const test_folder *folder)
 TEST(a_read_only_store_is_looked_up_in_and_not_tuned_into)
 {
     test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
-    store_close(s);
+    test_store_tune(folder.store);
     usleep(100000); // until the file counts as settled
     chmod(folder.store, 0444);
     chmod(folder.path, 0555);
@@ -137,11 +135,9 @@ static void tune_until_full(const test_folder *folder)
 TEST(a_full_disk_loses_only_what_did_not_fit)
 {
     test_folder folder = test_folder_make();
-    store *s = test_store_open(folder.store, STORE_WRITE);
-    test_tune_usual(s);
-    store_close(s);
+    test_store_tune(folder.store);
     in_a_process(tune_until_full, &folder);
-    s = test_store_open(folder.store, STORE_WRITE);
+    store *s = test_store_open(folder.store, STORE_WRITE);
     assert_int_equal(test_count(s, "profile"), 1);
     assert_true(test_count(s, "trial") > 9);
     assert_int_equal(test_count(s, "trial t WHERE launches <> (SELECT count(*) FROM sample "
@@ -202,9 +198,7 @@ static void read_by_all_means(const test_folder *folder)
 
 static void tune_one(const char *path)
 {
-    store *s = test_store_open(path, STORE_WRITE);
-    test_tune_usual(s);
-    store_close(s);
+    test_store_tune(path);
 }
 
 static void fill_up(const char *path)

@@ -209,8 +209,7 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
     duet_world_def def = duet_default_world_def();
     duet_result result;
     def.pair = devices;
-    duet_world *world = kept(duet_world_create(&def, ERR));
-    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
+    duet_world *world = create_world_of(&def, DUET_OBJECT_POSES, poses, N);
     must(duet_world_step(world, &result, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, poses, N);
     duet_box_query *query = open_query(tree, DUET_LEVEL_CERTIFIED);

@@ -101,13 +101,10 @@ TEST(columns_find_what_each_with_each_finds)
     for (size_t i = 0; i < 4 * sizeof makers / sizeof *makers; ++i) {
         duet_shape shape = i % 2 ? DUET_SHAPE_BOUNDS : DUET_SHAPE_POSES;
         crowd *c = make_crowd(makers[i / 4], 2 + (uint32_t)i / 2 % 2, shape, &r);
-        reference_found each, columns;
-        must(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, ERR));
-        must(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, ERR));
+        const reference_found each = found_by(&c->objects, REFERENCE_EACH_WITH_EACH),
+                              columns = found_by(&c->objects, REFERENCE_COLUMNS);
         assert_true(each.n > 0);
         assert_same(&each, &columns);
-        duet_free(each.pairs);
-        duet_free(columns.pairs);
     }
 }
 
@@ -118,16 +115,12 @@ TEST(each_level_has_its_set_however_it_is_found)
         crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
         c->objects.level = (duet_level)l;
         c->objects.rotated = true;
-        reference_found each, columns, exact;
-        must(reference_find(&c->objects, REFERENCE_EACH_WITH_EACH, &each, ERR));
-        must(reference_find(&c->objects, REFERENCE_COLUMNS, &columns, ERR));
+        const reference_found each = found_by(&c->objects, REFERENCE_EACH_WITH_EACH),
+                              columns = found_by(&c->objects, REFERENCE_COLUMNS);
         c->objects.level = DUET_LEVEL_CERTIFIED;
-        must(reference_find(&c->objects, REFERENCE_COLUMNS, &exact, ERR));
+        const reference_found exact = found_by(&c->objects, REFERENCE_COLUMNS);
         assert_same(&each, &columns);
         assert_true(l == DUET_LEVEL_AABB ? each.n == each.candidates : each.n >= exact.n);
-        duet_free(each.pairs);
-        duet_free(columns.pairs);
-        duet_free(exact.pairs);
     }
 }
 
@@ -135,8 +128,7 @@ TEST(pairs_ascend)
 {
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(of_mixed_size, 3, DUET_SHAPE_POSES, &r);
-    reference_found found;
-    must(reference_find(&c->objects, REFERENCE_COLUMNS, &found, ERR));
+    const reference_found found = found_by(&c->objects, REFERENCE_COLUMNS);
     for (uint64_t i = 0; i < found.n; ++i) {
         assert_true(found.pairs[i].a < found.pairs[i].b);
         if (i > 0)
@@ -144,7 +136,6 @@ TEST(pairs_ascend)
                         (found.pairs[i - 1].a == found.pairs[i].a &&
                          found.pairs[i - 1].b < found.pairs[i].b));
     }
-    duet_free(found.pairs);
 }
 
 // 8 x 8 x 8 cubes that touch along faces, edges and corners.
@@ -153,11 +144,9 @@ TEST(all_neighbours_on_a_lattice_touch)
     rng r = rng_seed(1);
     crowd *c = make_crowd(on_a_lattice, 3, DUET_SHAPE_POSES, &r);
     c->objects.n = 512;
-    reference_found found;
-    must(reference_find(&c->objects, REFERENCE_COLUMNS, &found, ERR));
+    const reference_found found = found_by(&c->objects, REFERENCE_COLUMNS);
     uint64_t met = 22 * 22 * 22; // (2 * 7 + 8)^3 ordered pairs, each cube with itself among them
     assert_int_equal(found.n, (met - 512) / 2);
-    duet_free(found.pairs);
 }
 
 TEST(none_one_and_two_objects_are_scenes_too)
@@ -166,10 +155,8 @@ TEST(none_one_and_two_objects_are_scenes_too)
     for (uint32_t n = 0; n <= 2; ++n)
         for (int way = REFERENCE_EACH_WITH_EACH; way <= REFERENCE_COLUMNS; ++way) {
             reference_objects objects = {.dims = 3, .n = n, .poses = two};
-            reference_found found;
-            must(reference_find(&objects, (reference_way)way, &found, ERR));
+            const reference_found found = found_by(&objects, (reference_way)way);
             assert_int_equal(found.n, n == 2);
-            duet_free(found.pairs);
         }
 }
 
@@ -178,15 +165,13 @@ TEST(a_scene_gives_the_pairs_of_its_objects)
     rng r = rng_seed(test_seed());
     crowd *c = make_crowd(even, 3, DUET_SHAPE_POSES, &r);
     duet_scene *scene = kept(duet_scene_create(DUET_OBJECT_POSES, c->poses, N, 3, 0, ERR));
-    reference_found found;
+    const reference_found found = found_by(&c->objects, REFERENCE_COLUMNS);
     duet_pair *pairs;
     uint64_t n;
-    must(reference_find(&c->objects, REFERENCE_COLUMNS, &found, ERR));
     must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
     assert_int_equal(n, found.n);
     assert_memory_equal(pairs, found.pairs, n * sizeof *pairs);
     duet_free(pairs);
-    duet_free(found.pairs);
 }
 
 TEST_MAIN(NULL, NULL)

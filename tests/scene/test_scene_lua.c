@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "support/devices.h"
 #include "support/scene_file.h"
 #include "support/test.h"
 
@@ -418,18 +419,14 @@ TEST(shipped_scenes_open_with_what_they_are_for)
     for (size_t i = 0; i < N_SHIPPED; ++i) {
         char path[512];
         snprintf(path, sizeof path, "%s/%s.lua", getenv("DUET_TEST_SCENES"), shipped[i]);
-        own(text) t = test_read_file(path);
+        const text t = test_read_file(path);
         assert_int_equal(strncmp(t.chars, "-- SPDX-License-Identifier: MIT\n-- ", 35), 0);
     }
 }
 
 static uint64_t count_pairs(const duet_scene *scene)
 {
-    duet_pair *pairs = NULL;
-    uint64_t n = 0;
-    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
-    duet_free(pairs);
-    return n;
+    return known_pairs_of_scene(scene, DUET_LEVEL_CERTIFIED).n;
 }
 
 // Unit cubes side by side touch where no coordinate of their centres differs by

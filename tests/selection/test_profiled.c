@@ -3,7 +3,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "support/devices.h"
 #include "support/json.h"
-#include "support/program.h"
 #include "support/store.h"
 #include "support/test.h"
 
@@ -23,8 +22,7 @@ typedef struct fixture {
 
 static void open_world(fixture *f)
 {
-    f->world = must(duet_world_create(&f->def, ERR));
-    must(duet_world_set_objects(f->world, DUET_OBJECT_POSES, f->poses, f->n, ERR));
+    f->world = create_world_of(&f->def, DUET_OBJECT_POSES, f->poses, f->n);
 }
 
 // n unit cubes in a world of 20^3, drawn with the seed; one is `giant` wide.
@@ -32,17 +30,15 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
 {
     fixture f = {0};
     rng r = rng_seed(seed);
-    duet_pose *poses = calloc(n, sizeof *poses);
-    assert_non_null(poses);
+    duet_pose *poses = test_alloc(n * sizeof *poses);
     for (uint32_t i = 0; i < n; ++i) {
-        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
+        poses[i] = cube_at(0, 0, 0, 0.5);
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 20);
     }
     if (giant > 0)
         poses[n / 2].half_extents[0] = giant / 2;
-    duet_device_pair_def pair_def = duet_default_device_pair_def();
-    f.pair = must(duet_device_pair_create(&pair_def, ERR));
+    f.pair = kept(duet_device_pair_open(NULL, ERR));
     f.def = duet_default_world_def();
     f.def.pair = f.pair;
     f.def.dims = 3;
@@ -58,17 +54,10 @@ static fixture make_world(uint32_t n, uint64_t seed, float giant, const char *wo
     return f;
 }
 
-static void drop_world(fixture *f)
-{
-    duet_world_destroy(f->world);
-    duet_device_pair_destroy(f->pair);
-    free(f->poses);
-}
-
 // The same world, which takes any level within the accuracy.
 static void ask_for(fixture *f, duet_accuracy accuracy)
 {
-    duet_world_destroy(f->world);
+    test_give_back(f->world);
     f->def.has_accuracy = true;
     f->def.accuracy = accuracy;
     open_world(f);
@@ -101,7 +90,6 @@ TEST(a_worlds_numbers_are_those_of_its_scene)
     assert_string_equal(p.pair.a.device.kind,
                         f.pair->devices[0].info.kind == DUET_KIND_CPU ? "cpu" : "gpu");
     assert_int_equal(strlen(p.kernels), 64);
-    drop_world(&f);
 }
 
 TEST(the_workload_is_the_scenes_and_not_the_draws_or_the_plans)
@@ -118,9 +106,6 @@ TEST(the_workload_is_the_scenes_and_not_the_draws_or_the_plans)
     assert_string_not_equal(keys[0], keys[2]); // a giant among them
     profile_subject p = describe(&c);
     assert_true(p.workload.size_ratio == 16);
-    drop_world(&a);
-    drop_world(&b);
-    drop_world(&c);
 }
 
 // The first objects are counted when they are set, all others when somebody asks.
@@ -139,7 +124,6 @@ TEST(a_workload_is_of_the_objects_that_a_world_has)
     must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, &one, 1, ERR));
     assert_int_equal(describe(&f).workload.n, 1);
     assert_true(describe(&f).workload.size_ratio == 1);
-    drop_world(&f);
 }
 
 TEST(a_world_without_objects_is_refused)
@@ -148,14 +132,11 @@ TEST(a_world_without_objects_is_refused)
     profile_subject p;
     must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, NULL, 0, ERR));
     must_fail(profile_subject_read(f.world, &p, ERR), DUET_STATUS_BAD_ARGUMENT, "");
-    drop_world(&f);
 }
 
 TEST(a_plan_survives_being_stored)
 {
-    duet_plan plan = {.share = 12345, .mode = DUET_MODE_OWN};
-    strcpy(plan.variant_a, "auto sort=radix");
-    strcpy(plan.variant_b, "paper");
+    duet_plan plan = plan_of(DUET_MODE_OWN, 12345, "auto sort=radix", "paper");
     profile_plan stored = profile_subject_write_plan(&plan, "sat15");
     duet_plan back;
     must(profile_subject_read_plan(&stored, &back, ERR));
@@ -201,7 +182,6 @@ TEST(a_world_takes_its_profile_and_finds_the_same_pairs)
     assert_true(profile.step_ms == 2 && profile.gain == 0.5 && profile.measured_s > 0);
     must(duet_world_step(f.world, &result, ERR));
     assert_true(duet_result_get_hash(&result) == hash);
-    drop_world(&f);
 }
 
 // Stored at sat6 with two false pairs in a hundred.
@@ -211,11 +191,7 @@ TEST(two_equal_devices_are_another_pair_than_one)
     test_folder folder = test_folder_make();
     fixture f = make_world(300, 8, 0, "simd");
     device *own = f.pair->devices;
-    if (duet_device_pair_is_one(f.pair)) {
-        drop_world(&f);
-        print_message("the device pair is one device\n");
-        skip();
-    }
+    skip_on_one_device();
     const device kept = own[1];
     own[1].info = own[0].info;
     strcpy(own[0].info.selector, "pocl:0");
@@ -234,7 +210,6 @@ TEST(two_equal_devices_are_another_pair_than_one)
         assert_int_equal(found.grade, i == 0 ? PROFILE_DEFAULT : PROFILE_EXACT);
     }
     own[1] = kept;
-    drop_world(&f);
 }
 
 TEST(a_world_gets_no_less_than_it_asked_for)
@@ -260,7 +235,6 @@ TEST(a_world_gets_no_less_than_it_asked_for)
     assert_int_equal(duet_world_get_level(f.world), DUET_LEVEL_SAT6);
     assert_true(profile.accuracy.missed == 0 && profile.accuracy.false_rate == 0.02);
     assert_int_equal(profile.true_pairs, 100);
-    drop_world(&f);
 }
 
 TEST(an_accuracy_that_cannot_be_is_refused)
@@ -273,7 +247,6 @@ TEST(an_accuracy_that_cannot_be_is_refused)
         def.accuracy = bad[i];
         must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "the world's accuracy");
     }
-    drop_world(&f);
 }
 
 TEST(without_a_profile_the_plan_stays)
@@ -294,7 +267,6 @@ TEST(without_a_profile_the_plan_stays)
               DUET_STATUS_STORE_FAILED, "");
     assert_int_equal(profile.grade, DUET_GRADE_DEFAULT);
     assert_memory_equal(duet_world_get_plan(f.world), &before, sizeof before);
-    drop_world(&f);
 }
 
 // Makes it as if it had been measured on twice as many objects, where sharing gained as much as
@@ -317,7 +289,6 @@ TEST(a_plan_of_another_workload_comes_without_figures)
     assert_true(profile.step_ms == 0 && profile.gain == 0 && profile.gain_low == 0 &&
                 profile.gain_high == 0 && profile.true_pairs == 0 && profile.measured_s == 0);
     assert_string_equal(profile.verdict, "");
-    drop_world(&f);
 }
 
 // ------------------------------------------------------------- duet profiles why
@@ -334,8 +305,7 @@ static const char scene_text[] = "local random = random(3)\n"
 static void put_for_scene(const char *path)
 {
     duet_error err = {0};
-    duet_device_pair_def pair_def = duet_default_device_pair_def();
-    duet_device_pair *pair = kept(duet_device_pair_create(&pair_def, ERR));
+    duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
     duet_scene *scene = kept(duet_scene_load(SCENE, NULL, 0, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
     duet_world *world = duet_world_create(&def, &err);
@@ -353,10 +323,10 @@ static cJSON *ask_why(const char *path)
 
 static void assert_why(const cJSON *o, const char *grade, const char *says)
 {
-    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "grade")->valuestring, grade);
+    assert_string_equal(json_string(o, "grade"), grade);
     const cJSON *line = NULL;
     bool said = false;
-    cJSON_ArrayForEach(line, cJSON_GetObjectItemCaseSensitive(o, "why"))
+    cJSON_ArrayForEach(line, json_field(o, "why"))
     {
         said |= strstr(line->valuestring, says) != NULL;
     }
@@ -376,11 +346,10 @@ TEST(a_file_that_is_named_is_all_that_why_looks_in)
     snprintf(variables, sizeof variables, "XDG_DATA_DIRS=%s DUET_PROFILE=%s", system.path,
              user.store);
     program p = program_run_with(variables, "profiles why %s", SCENE);
-    assert_non_null(strstr(p.out, "\nexact: "));
+    assert_says(p.out, "\nexact: ");
     p = program_done(
         program_run_with(variables, "profiles why %s --profile %s", SCENE, user.store));
-    assert_non_null(strstr(p.out, "there is no profile store"));
-    assert_non_null(strstr(p.out, "\ndefault: "));
+    assert_says(p.out, "there is no profile store", "\ndefault: ");
     assert_null(strstr(p.out, system.path));
 }
 
@@ -393,31 +362,25 @@ TEST(why_names_the_plan_and_run_uses_it)
     put_for_scene(folder.store);
     o = ask_why(folder.store);
     assert_why(o, "exact", "yes: manual 20");
-    assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
-    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "variant_b")->valuestring,
-                        "auto sort=radix");
-    char variables[160];
-    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    program p = program_done(program_run_with(variables, "run %s --repeat 1", SCENE));
-    assert_non_null(strstr(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over "));
-    p = program_run_with(variables, "run %s --repeat 1 --json --check", SCENE);
-    assert_non_null(strstr(p.out, "0.375"));
-    assert_non_null(strstr(p.out, "\"exact\""));
-    p = program_run_with(variables, "run %s --repeat 1 --share 1/2", SCENE);
-    assert_non_null(strstr(p.out, "plan: as given"));
+    assert_true(json_number(o, "share") == 0.375);
+    assert_string_equal(json_string(o, "variant_b"), "auto sort=radix");
+    program p = program_done(program_run_with(folder.variable, "run %s --repeat 1", SCENE));
+    assert_says(p.out, "plan: from the profile, exact; +50.0 % (+0.0 to +0.0) over ");
+    p = program_run_with(folder.variable, "run %s --repeat 1 --json --check", SCENE);
+    assert_says(p.out, "0.375", "\"exact\"");
+    p = program_run_with(folder.variable, "run %s --repeat 1 --share 1/2", SCENE);
+    assert_says(p.out, "plan: as given");
     p = program_done(program_run("profiles why %s --profile %s", SCENE, folder.store));
-    assert_non_null(strstr(p.out, devices_are_two() ? "\nexact: share 0.3750, mode own, A auto, "
-                                                      "B auto sort=radix"
-                                                    : "\nexact: kernels auto sort=radix"));
+    assert_says(p.out, devices_are_two() ? "\nexact: share 0.3750, mode own, A auto, "
+                                           "B auto sort=radix"
+                                         : "\nexact: kernels auto sort=radix");
     p = program_run("profiles why %s --profile %s --level sat15", SCENE, folder.store);
-    assert_non_null(strstr(p.out, "\n  exact         no: "));
-    assert_non_null(strstr(p.out, "\n  other driver  no: "));
-    assert_non_null(strstr(p.out, "\n  stale         no: "));
-    assert_non_null(strstr(p.out, "of which nothing is known"));
+    assert_says(p.out, "\n  exact         no: ", "\n  other driver  no: ", "\n  stale         no: ",
+                "of which nothing is known");
     test_store_run(folder.store, "UPDATE profile SET share = 0, verdict = 'same'");
-    p = program_run_with(variables, "run %s --repeat 1", SCENE);
+    p = program_run_with(folder.variable, "run %s --repeat 1", SCENE);
     if (devices_are_two())
-        assert_non_null(strstr(p.out, "exact; B alone; no share promises more"));
+        assert_says(p.out, "exact; B alone; no share promises more");
 }
 
 TEST(why_and_run_say_that_no_figure_is_known)
@@ -429,18 +392,16 @@ TEST(why_and_run_say_that_no_figure_is_known)
     test_store_run(folder.store, OF_TWICE_AS_MANY);
     cJSON *o = ask_why(folder.store);
     assert_why(o, "transferred", "none of its figures is of this workload");
-    assert_true(cJSON_GetObjectItemCaseSensitive(o, "share")->valuedouble == 0.375);
+    assert_true(json_number(o, "share") == 0.375);
     for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i)
         assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, figures[i])));
     assert_true(cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(o, "true_pairs")));
-    assert_string_equal(cJSON_GetObjectItemCaseSensitive(o, "uid")->valuestring, "");
+    assert_string_equal(json_string(o, "uid"), "");
     program p = program_run("profiles why %s --profile %s", SCENE, folder.store);
-    assert_non_null(strstr(p.out, "what a step takes and gains here is not known"));
-    char variables[160];
-    snprintf(variables, sizeof variables, "DUET_PROFILE=%s", folder.store);
-    p = program_run_with(variables, "run %s --repeat 1", SCENE);
-    assert_non_null(strstr(p.out, "plan: from the profile of another workload; what it gains here "
-                                  "is not known"));
+    assert_says(p.out, "what a step takes and gains here is not known");
+    p = program_run_with(folder.variable, "run %s --repeat 1", SCENE);
+    assert_says(p.out, "plan: from the profile of another workload; what it gains here "
+                       "is not known");
 }
 
 // ------------------------------------------------------------ queries
@@ -510,7 +471,6 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     duet_ray_query_destroy(tuned);
     duet_ray_query_destroy(other);
     duet_tree_destroy(tree);
-    drop_world(&f);
 }
 
 TEST(names_of_queries_are_read_as_they_are_written)

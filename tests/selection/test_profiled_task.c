@@ -111,8 +111,6 @@ TEST(a_program_without_files_gets_the_plan_of_its_files)
     char n[8];
     put("4000", 0.25, "auto twice.WG=16");
     text card = test_read_file("twice.lua"), body = test_read_file("twice.cl");
-    test_keep(card.chars, free);
-    test_keep(body.chars, free);
     for (int i = 0; i < N; ++i)
         x[i] = i;
     snprintf(n, sizeof n, "%d", N);
@@ -170,8 +168,5 @@ TEST(a_store_that_cannot_be_read_leaves_a_task_that_runs)
     expect_twice(t);
 }
 
-int main(void)
-{
-    test_each(begin, NULL);
-    return test_run(open_pair, close_pair);
-}
+TEST_EACH(begin, NULL)
+TEST_MAIN(open_pair, close_pair)

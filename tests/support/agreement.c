@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/agreement.h"
 
+#include "support/devices.h"
 #include "support/hard_pairs.h"
 #include "support/test.h"
 
@@ -101,9 +102,7 @@ static void find_difference(const check *c, const duet_plan *plan, const duet_re
 
 static void step(check *c, duet_world *world, const duet_plan *plan)
 {
-    duet_result result;
-    must(duet_world_set_plan(world, plan, ERR));
-    must(duet_world_step(world, &result, ERR));
+    const duet_result result = step_by(world, plan);
     if (result.pairs != c->truth.n || duet_result_get_hash(&result) != c->hash)
         find_difference(c, plan, &result);
     if (result.candidates != c->candidates || result.undecided != c->undecided)
@@ -186,15 +185,14 @@ uint64_t agreement_check(const duet_world_def *def, const void *objects, uint32_
         .origin = def->origin_edge,
     };
     check c = {.def = def, .objects = objects, .n = n};
-    must(reference_find(&all,
-                        n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS,
-                        &c.truth, ERR));
+    c.truth =
+        found_by(&all, n <= EACH_WITH_EACH_LIMIT ? REFERENCE_EACH_WITH_EACH : REFERENCE_COLUMNS);
     c.hash = duet_pairs_hash(c.truth.pairs, c.truth.n);
     count_as_devices_do(&c);
     duet_world *world = must(duet_world_create(def, ERR));
     must(set_objects(world, def, objects, n, ERR));
     step_all_plans(&c, world);
     duet_world_destroy(world);
-    duet_free(c.truth.pairs);
+    test_give_back(c.truth.pairs);
     return c.truth.n;
 }

@@ -44,6 +44,22 @@ duet_world *create_world(const duet_world_def *def)
     return kept(duet_world_create(def, ERR));
 }
 
+duet_world *create_world_of(const duet_world_def *def, duet_object_kind kind, const void *objects,
+                            uint32_t n)
+{
+    duet_world *world = create_world(def);
+    must(duet_world_set_objects(world, kind, objects, n, ERR));
+    return world;
+}
+
+duet_world_def devices_def(uint32_t dims)
+{
+    duet_world_def def = duet_default_world_def();
+    def.pair = devices;
+    def.dims = dims;
+    return def;
+}
+
 void set_share(duet_world *world, uint32_t share)
 {
     duet_plan plan = *duet_world_get_plan(world);
@@ -55,6 +71,38 @@ void set_variants(duet_plan *plan, const char *variant)
 {
     snprintf(plan->variant_a, sizeof plan->variant_a, "%s", variant);
     snprintf(plan->variant_b, sizeof plan->variant_b, "%s", variant);
+}
+
+duet_plan plan_of(duet_mode mode, uint32_t share, const char *variant_a, const char *variant_b)
+{
+    duet_plan plan = {.mode = mode, .share = share};
+    snprintf(plan.variant_a, sizeof plan.variant_a, "%s", variant_a);
+    snprintf(plan.variant_b, sizeof plan.variant_b, "%s", variant_b);
+    return plan;
+}
+
+duet_result step_by(duet_world *world, const duet_plan *plan)
+{
+    must(duet_world_set_plan(world, plan, ERR));
+    return step_world(world);
+}
+
+duet_result step_with(duet_world *world, duet_object_kind kind, const void *objects, uint32_t n)
+{
+    must(duet_world_set_objects(world, kind, objects, n, ERR));
+    return step_world(world);
+}
+
+void assert_found(const duet_result *result, known_pairs pairs)
+{
+    assert_int_equal(result->pairs, pairs.n);
+    assert_int_equal(duet_result_get_hash(result), pairs.hash);
+}
+
+void assert_step_finds(duet_world *world, known_pairs pairs)
+{
+    const duet_result result = step_world(world);
+    assert_found(&result, pairs);
 }
 
 duet_result step_world(duet_world *world)
@@ -103,6 +151,14 @@ duet_bounds bounds_of_upright(const duet_pose *pose)
     return b;
 }
 
+reference_found found_by(const reference_objects *objects, reference_way way)
+{
+    reference_found found = {0};
+    must(reference_find(objects, way, &found, ERR));
+    test_keep(found.pairs, duet_free);
+    return found;
+}
+
 uint64_t reference_hash(const reference_objects *objects, reference_way way, uint64_t *n)
 {
     reference_found found = {0};
@@ -113,16 +169,22 @@ uint64_t reference_hash(const reference_objects *objects, reference_way way, uin
     return hash;
 }
 
-uint64_t true_hash_of(duet_scene *scene)
+known_pairs known_pairs_of_scene(const duet_scene *scene, duet_level level)
 {
     duet_pair *pairs = NULL;
-    uint64_t n = 0;
-    assert_non_null(scene);
-    must(duet_reference(scene, DUET_LEVEL_CERTIFIED, &pairs, &n, ERR));
-    uint64_t hash = duet_pairs_hash(pairs, n);
+    known_pairs known = {0};
+    must(duet_reference(scene, level, &pairs, &known.n, ERR));
+    known.hash = duet_pairs_hash(pairs, known.n);
     duet_free(pairs);
+    return known;
+}
+
+known_pairs known_pairs_of(duet_object_kind kind, const void *objects, uint32_t n, uint32_t dims)
+{
+    duet_scene *scene = must(duet_scene_create(kind, objects, n, dims, 0, ERR));
+    known_pairs known = known_pairs_of_scene(scene, DUET_LEVEL_CERTIFIED);
     duet_scene_destroy(scene);
-    return hash;
+    return known;
 }
 
 int open_devices(void **state)

@@ -22,9 +22,29 @@ duet_world *create_world(const duet_world_def *def);
 duet_device_pair *open_copying(bool copies);
 // A CPU that can be cut into parts; skips the test where there is none.
 const duet_device_info *cuttable_cpu(void);
+duet_world *create_world_of(const duet_world_def *def, duet_object_kind kind, const void *objects,
+                            uint32_t n);
+duet_world_def devices_def(uint32_t dims); // the default one, on the default pair
 void set_share(duet_world *world, uint32_t share);
 void set_variants(duet_plan *plan, const char *variant); // both
+duet_plan plan_of(duet_mode mode, uint32_t share, const char *variant_a, const char *variant_b);
+
+// Step; the first two by another plan, or with these objects.
+duet_result step_by(duet_world *world, const duet_plan *plan);
+duet_result step_with(duet_world *world, duet_object_kind kind, const void *objects, uint32_t n);
 duet_result step_world(duet_world *world);
+
+// The pairs of objects, or of a scene, by the plain C reference.
+typedef struct known_pairs {
+    uint64_t n, hash;
+} known_pairs;
+
+known_pairs known_pairs_of(duet_object_kind kind, const void *objects, uint32_t n, uint32_t dims);
+known_pairs known_pairs_of_scene(const duet_scene *scene, duet_level level);
+
+// Fails unless these are a step's pairs.
+void assert_found(const duet_result *result, known_pairs pairs);
+void assert_step_finds(duet_world *world, known_pairs pairs);
 
 // A cube whose edges are upright, and one of edge 1 anywhere in a range, turned anyhow.
 duet_rounded_box rounded_at(double x, double y, double z, double hx, double hy, double hz,
@@ -34,10 +54,10 @@ duet_pose random_cube(rng *r, double from, double to);
 void turn_at_random(duet_pose *pose, rng *r);
 duet_bounds bounds_of_upright(const duet_pose *pose);
 
-// The hash of a scene's pairs by the plain C reference. Destroys the scene; NULL fails the test.
-uint64_t true_hash_of(duet_scene *scene);
+// What is found of objects in a way, which lasts until the test ends.
+reference_found found_by(const reference_objects *objects, reference_way way);
 
-// The same of objects, found in a way. n: how many pairs they are.
+// The hash of the pairs of objects, found in a way. n: how many they are.
 uint64_t reference_hash(const reference_objects *objects, reference_way way, uint64_t *n);
 
 // Whether the default device pair is two: halves of a CPU with one unit are that CPU, twice.

@@ -88,8 +88,7 @@ void figures(const char *document, const char *pattern, int n, double *out)
     char path[512];
     snprintf(path, sizeof path, "%s/../../docs/%s", getenv("DUET_TEST_SCENES"), document);
     assert_true(n <= MOST);
-    own(text) t = {0};
-    must(text_read_file(&t, path, ERR));
+    text t = test_read_file(path);
     join_lines(&t);
     int places = 0;
     for (const char *at = t.chars; *at; ++at) {

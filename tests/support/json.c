@@ -17,13 +17,13 @@ cJSON *json_of(const char *chars)
     return test_keep(o, free_json);
 }
 
-cJSON *json_of_program(program *p)
+cJSON *json_of_program(program p)
 {
-    if (p->exit_code != 0)
-        fail_msg("exit %d: %s", p->exit_code, p->err);
-    assert_string_equal(p->err, "");
-    assert_true(*p->out && p->out[strlen(p->out) - 1] == '\n');
-    return json_of(p->out);
+    if (p.exit_code != 0)
+        fail_msg("exit %d: %s", p.exit_code, p.err);
+    assert_string_equal(p.err, "");
+    assert_true(*p.out && p.out[strlen(p.out) - 1] == '\n');
+    return json_of(p.out);
 }
 
 cJSON *json_of_run(const char *arguments, ...)
@@ -32,7 +32,29 @@ cJSON *json_of_run(const char *arguments, ...)
     va_start(args, arguments);
     program p = program_run_list("", arguments, args);
     va_end(args);
-    return json_of_program(&p);
+    return json_of_program(p);
+}
+
+cJSON *json_of_run_with(const char *variables, const char *arguments, ...)
+{
+    va_list args;
+    va_start(args, arguments);
+    program p = program_run_list(variables, arguments, args);
+    va_end(args);
+    return json_of_program(p);
+}
+
+const cJSON *json_field(const cJSON *o, const char *key)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(o, key);
+    if (!item)
+        fail_msg("no '%s'", key);
+    return item;
+}
+
+int json_size(const cJSON *o, const char *key)
+{
+    return cJSON_GetArraySize(json_field(o, key));
 }
 
 double json_number(const cJSON *o, const char *key)
@@ -65,6 +87,14 @@ const cJSON *json_array(const cJSON *o, const char *key, int n)
     assert_true(cJSON_IsArray(array));
     assert_int_equal(cJSON_GetArraySize(array), n);
     return array;
+}
+
+const cJSON *json_row(const cJSON *o, const char *key, int i)
+{
+    const cJSON *row = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(o, key), i);
+    if (!row)
+        fail_msg("no row %d of '%s'", i, key);
+    return row;
 }
 
 void get_hash(const char *arguments, char hash[32], double *steps)

@@ -13,8 +13,7 @@ mover *lanes_new(uint32_t dims)
 
 uint32_t lanes_add_fixed(mover *m, const double at[3], const double half[3])
 {
-    uint32_t id = mover_add(m, at[0], at[1], at[2], half[0], half[1], half[2]);
-    m->bodies[id].mass = 0;
+    uint32_t id = mover_add_fixed(m, at[0], at[1], at[2], half[0], half[1], half[2]);
     m->bodies[id].friction = 1; // only a rolling ball has some, too
     return id;
 }

@@ -10,9 +10,7 @@ duet_large_pose large_poses[LARGE_MOST];
 
 duet_world_def large_def(uint32_t dims, bool rotated)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
-    def.dims = dims;
+    duet_world_def def = devices_def(dims);
     def.rotated = rotated;
     def.origin_edge = LARGE_EDGE;
     return def;

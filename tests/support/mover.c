@@ -9,8 +9,7 @@ static duet_device_pair *pair;
 int mover_open_pair(void **state)
 {
     (void)state;
-    duet_device_pair_def def = duet_default_device_pair_def();
-    pair = must(duet_device_pair_create(&def, ERR));
+    pair = must(duet_device_pair_open(NULL, ERR));
     return 0;
 }
 
@@ -76,6 +75,15 @@ uint32_t mover_add_fixed(mover *m, double x, double y, double z, double hx, doub
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge)
 {
     return mover_add(m, x, y, z, edge / 2, edge / 2, edge / 2);
+}
+
+void mover_wall_in(mover *m, double from, double to)
+{
+    m->def.boundary = DUET_BOUNDARY_WALLS;
+    for (int k = 0; k < 3; ++k) {
+        m->def.lower[k] = from;
+        m->def.upper[k] = to;
+    }
 }
 
 void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle)
@@ -217,6 +225,20 @@ duet_tree *mover_tree(const mover *m)
     duet_tree *tree = kept(duet_tree_create(&def, ERR));
     must(duet_tree_set_motion(tree, m->motion, ERR));
     return tree;
+}
+
+duet_contact *mover_contacts(mover *m, uint64_t *n)
+{
+    duet_contact *contacts = NULL;
+    must(duet_motion_get_contacts(m->motion, &contacts, n, ERR));
+    return test_keep(contacts, duet_free);
+}
+
+void mover_run_alike(mover *m, mover *other, uint32_t steps)
+{
+    mover_run(m, steps);
+    mover_run(other, steps);
+    assert_true(mover_hash(m) == mover_hash(other));
 }
 
 double mover_total(mover *m)

@@ -32,6 +32,7 @@ void mover_free(mover *m);
 uint32_t mover_add(mover *m, double x, double y, double z, double hx, double hy, double hz);
 uint32_t mover_add_fixed(mover *m, double x, double y, double z, double hx, double hy, double hz);
 uint32_t mover_add_cube(mover *m, double x, double y, double z, double edge);
+void mover_wall_in(mover *m, double from, double to); // walls at these places of each axis
 void mover_turn(mover *m, uint32_t id, double x, double y, double z, double angle);
 
 // A floor whose top is at height 0, and gravity; a unit cube with friction; n boxes
@@ -49,8 +50,11 @@ void mover_add_card_house(mover *m, uint32_t levels);
 // Makes the motion, if there is none, advances it and reads the states.
 void mover_run(mover *m, uint32_t steps);
 void mover_restart(mover *m); // forgets the motion
+void mover_run_alike(mover *m, mover *other,
+                     uint32_t steps); // fails unless both have the same bits
 duet_energy mover_energy(mover *m);
 uint64_t mover_hash(mover *m);
+duet_contact *mover_contacts(mover *m, uint64_t *n);    // these last until the test ends
 double mover_total(mover *m);                           // energy of all kinds
 duet_pose mover_pose(const mover *m, uint32_t id);      // in float, as mover_run read it
 bool mover_has_stage(const mover *m, const char *name); // in the last step

@@ -53,6 +53,13 @@ cl_mem own_buffer(const void *bytes, size_t size, cl_mem_flags flags)
     return test_keep(mem, release);
 }
 
+void own_read(int queue, cl_mem mem, void *to, size_t bytes, const cl_event *after)
+{
+    assert_int_equal(clEnqueueReadBuffer(own.queues[queue], mem, CL_TRUE, 0, bytes, to,
+                                         after ? 1 : 0, after, NULL),
+                     CL_SUCCESS);
+}
+
 cl_uint own_references(cl_mem mem)
 {
     cl_uint n = 0;

@@ -20,6 +20,9 @@ void own_program_close(void); // fails unless nobody else holds its queues
 // A buffer that the test keeps; bytes NULL: nothing is written into it.
 cl_mem own_buffer(const void *bytes, size_t size, cl_mem_flags flags);
 
+// Reads a buffer by one of the queues, once `after` is over unless it is NULL.
+void own_read(int queue, cl_mem mem, void *to, size_t bytes, const cl_event *after);
+
 cl_uint own_references(cl_mem mem);
 cl_uint own_queue_references(int i);
 

@@ -52,9 +52,7 @@ static mover *bouncing_boxes(double skin)
     m->def.skin = skin;
     m->def.wants = DUET_EFFECT_CONTACT_RESPONSE;
     m->def.restitution_threshold = 0.0;
-    m->def.boundary = DUET_BOUNDARY_WALLS;
-    for (int k = 0; k < 3; ++k)
-        m->def.upper[k] = 8.0;
+    mover_wall_in(m, 0, 8.0);
     for (int i = 0; i < BOXES; ++i) {
         double x = 1 + 2 * (i % 4), y = 1 + 2 * (i / 4 % 4), z = 1 + 2 * (i / 16);
         uint32_t id = mover_add(m, x, y, z, 0.3, 0.4, 0.5);

@@ -9,6 +9,7 @@ test_folder test_folder_make(void)
     test_folder folder;
     test_make_folder(folder.path);
     snprintf(folder.store, sizeof folder.store, "%s/profiles.db", folder.path);
+    snprintf(folder.variable, sizeof folder.variable, "DUET_PROFILE=%s", folder.store);
     return folder;
 }
 
@@ -206,6 +207,13 @@ void test_tune_usual(store *s)
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(1000);
     test_tune(s, &pair, &workload);
+}
+
+void test_store_tune(const char *path)
+{
+    store *s = test_store_open(path, STORE_WRITE);
+    test_tune_usual(s);
+    store_close(s);
 }
 
 void test_fill_out(store *s)

@@ -11,7 +11,8 @@
 // A fresh folder, and a path in it.
 typedef struct test_folder {
     char path[64];
-    char store[96]; // PATH/profiles.db, not made yet
+    char store[96];     // PATH/profiles.db, not made yet
+    char variable[112]; // DUET_PROFILE=that store, for programs
 } test_folder;
 
 test_folder test_folder_make(void);
@@ -40,8 +41,9 @@ double test_time(int device, uint64_t n, double share);
 // A whole session of nine shares, 0 and 1 among them, with its profile.
 void test_tune(store *s, const profile_pair *pair, const profile_workload *workload);
 
-void test_tune_usual(store *s); // test_pair's, of 1000 objects
-void test_fill_out(store *s);   // a table of level costs, and all that a profile can have
+void test_tune_usual(store *s);         // test_pair's, of 1000 objects
+void test_store_tune(const char *path); // the same in the store of that path
+void test_fill_out(store *s);           // a table of level costs, and all that a profile can have
 
 // Stores a plan that is faster by half, as a tuning would.
 void test_store_plan(const char *path, const profile_pair *pair, const profile_workload *workload,

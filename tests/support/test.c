@@ -145,6 +145,15 @@ void test_must_fail(bool failed, const char *call, duet_status status, const cha
     _fail(file, line);
 }
 
+void test_assert_says(const char *chars, const char *const *list, const char *file, int line)
+{
+    for (; *list; ++list)
+        if (!chars || !strstr(chars, *list)) {
+            print_error("no '%s' in:\n%s\n", *list, chars ? chars : "(nothing)");
+            _fail(file, line);
+        }
+}
+
 static int begin_test(void **state)
 {
     static int n_begun;
@@ -194,15 +203,14 @@ uint64_t test_seed(void)
 
 static bool takes_all;
 
-void test_take_all(void)
+bool test_takes_all(void)
 {
-    takes_all = true;
+    return takes_all;
 }
 
 void test_begin(int argc, char **argv)
 {
-    if (argc > 1 && strcmp(argv[1], "--all") == 0)
-        test_take_all();
+    takes_all = argc > 1 && strcmp(argv[1], "--all") == 0;
 }
 
 bool test_takes(uint64_t way, unsigned of)
@@ -219,7 +227,15 @@ text test_read_file(const char *path)
 {
     text content = {0};
     must(text_read_file(&content, path, ERR));
+    test_keep(content.chars, free);
     return content;
+}
+
+void test_assert_same_file(const char *path, const char *other)
+{
+    const text a = test_read_file(path), b = test_read_file(other);
+    assert_int_equal(a.length, b.length);
+    assert_memory_equal(a.chars, b.chars, a.length);
 }
 
 void skip_without_device(const char *path)

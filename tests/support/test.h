@@ -32,7 +32,13 @@
 
 void test_add(const char *name, CMUnitTestFunction test, int line);
 
-// Sets what is called before and after each test; either may be NULL.
+// Names what is called before and after each test of the program; either may be NULL.
+#define TEST_EACH(begin, end)                               \
+    __attribute__((constructor)) static void set_each(void) \
+    {                                                       \
+        test_each(begin, end);                              \
+    }
+
 void test_each(CMFixtureFunction begin, CMFixtureFunction end);
 
 // Runs the program's tests, with begin before all of them and end behind. Each starts in the
@@ -43,15 +49,16 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end);
 extern const char *test_running; // its name; NULL before the first
 
 #define TEST_MAIN(begin, end)        \
-    int main(void)                   \
+    int main(int argc, char **argv)  \
     {                                \
+        test_begin(argc, argv);      \
         return test_run(begin, end); \
     }
 
 // Makes an empty folder within the program's own; path is absolute.
 void test_make_folder(char path[64]);
 
-int test_enter_folder(void **state);     // one for each test, by test_each
+int test_enter_folder(void **state);     // one for each test, by TEST_EACH
 int test_leaves_no_object(void **state); // after each, likewise: fails if an OpenCL object is left
 
 // DUET_TEST_SEED where set, else a fixed one; printed, so that a failing run
@@ -61,11 +68,13 @@ uint64_t test_seed(void);
 // A test whose kernels are compiled for each of many ways takes one in `of` of them, by the
 // seed; every one with --all, as the label long has it.
 void test_begin(int argc, char **argv);
-void test_take_all(void);
 bool test_takes(uint64_t way, unsigned of);
+bool test_takes_all(void);
 
 void test_write_file(const char *path, const char *content);
-struct text test_read_file(const char *path); // base/text.h; the caller frees it
+struct text
+test_read_file(const char *path); // base/text.h; its characters last until the test ends
+void test_assert_same_file(const char *path, const char *other);
 
 // A scene's objects by their type.
 static inline const duet_pose *test_poses(const duet_scene *scene)
@@ -126,6 +135,17 @@ int test_count_files(void);
         given_;                                                                     \
     })
 #define ERR (&test_error)
+
+// Fails unless the text has each of the strings; says which one it lacks. The list ends with NULL.
+#define assert_says(text, ...) assert_says_all(text, ((const char *const[]){__VA_ARGS__, NULL}))
+#define assert_says_all(text, list) test_assert_says(text, list, __FILE__, __LINE__)
+
+void test_assert_says(const char *chars, const char *const *list, const char *file, int line);
+
+// What a call is given, and what the line says that refuses it: a row of a table.
+typedef struct refusal {
+    const char *given, *says;
+} refusal;
 
 // A call that must fail with this status, or ANY_FAILURE, and one line that has `says`, which ERR
 // keeps.

@@ -247,16 +247,14 @@ TEST(a_grid_may_have_a_reference_without_one)
 
 TEST(a_launch_that_is_no_grid_is_refused)
 {
-    static const struct {
-        const char *launch, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"{ group = {}, per_item = 1 }", "launch gives a list of 0 for group; expected 1 to 3"},
         {"{ group = { 1, 1, 1, 1 }, per_item = 1 }", "launch gives a list of 4 for group"},
         {"{ group = { 1, 0 }, per_item = 1 }", "launch gives no group of 1 or more"},
         {"{ group = { 65536, 65536 }, per_item = 1 }", "a group of 4294967296 is above"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        write_grid("bad", cases[i].launch, "int *y\n", "__kernel void bad(BAD_ARGS)\n{\n}\n");
+        write_grid("bad", cases[i].given, "int *y\n", "__kernel void bad(BAD_ARGS)\n{\n}\n");
         expect_open_fails("return { kernel = 'bad', items = 4, args = { y = { 'int', 4, access = "
                           "'out slice' } } }",
                           i < 3 ? DUET_STATUS_BUILD_FAILED : DUET_STATUS_BAD_ARGUMENT,
@@ -345,15 +343,13 @@ TEST(the_first_wrong_number_of_many_is_found)
 
 TEST(a_write_outside_the_items_is_found)
 {
-    static const struct {
-        const char *body, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"y[i] = x[i]; if (i == last - 1) y[last] = 1;", "the kernel writes y["},
         {"y[(long)i - 1] = x[i];", "the kernel writes y["},
         {"y[9 - i] = x[i];", "the kernel writes y["},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        write_kernel("stray", "const float *x\nfloat *y\n", cases[i].body);
+        write_kernel("stray", "const float *x\nfloat *y\n", cases[i].given);
         bool one = strcmp(getenv("DUET_PAIR") ? getenv("DUET_PAIR") : "", "cpu") == 0;
         if (!one || i < 2)
             expect_open_fails("return { kernel = 'stray', " TEN "}", DUET_STATUS_WRONG_RESULT,
@@ -363,9 +359,7 @@ TEST(a_write_outside_the_items_is_found)
 
 TEST(arguments_must_be_the_cards)
 {
-    static const struct {
-        const char *args, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"y = { 'float', 10, access = 'out slice' }", "args has no 'x', which the card of k has"},
         {"x = { 'double', 10 }, y = { 'float', 10, access = 'out slice' }",
          "args.x is an array of double; the card of k has 'float *'"},
@@ -381,7 +375,7 @@ TEST(arguments_must_be_the_cards)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char lua[400];
         snprintf(lua, sizeof lua, "return { kernel = 'k', items = 10, args = { %s } }",
-                 cases[i].args);
+                 cases[i].given);
         expect_open_fails(lua, DUET_STATUS_BAD_INPUT, cases[i].says);
     }
 }
@@ -404,9 +398,7 @@ TEST(numbers_must_fit_the_cards_types)
 
 TEST(a_bad_file_is_one_line_that_names_file_and_field)
 {
-    static const struct {
-        const char *lua, *says;
-    } cases[] = {
+    static const refusal cases[] = {
         {"return 5", "t.task.lua: a task file returns a table, not number"},
         {"x x", "t.task.lua:1: syntax error"},
         {"return {}", "kernel is missing"},
@@ -462,9 +454,9 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"os.exit()", "t.task.lua:1: "},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        test_write_file("t.task.lua", cases[i].lua);
+        test_write_file("t.task.lua", cases[i].given);
         must_fail(task_load("t.task.lua", NULL, 0, ERR), DUET_STATUS_BAD_INPUT, cases[i].says);
-        assert_non_null(strstr(ERR->text, "t.task.lua"));
+        assert_says(ERR->text, "t.task.lua");
     }
 }
 
@@ -513,9 +505,5 @@ TEST(any_damage_of_a_file_is_refused_or_read)
     }
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    test_each(test_enter_folder, NULL);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(test_enter_folder, NULL)
+TEST_MAIN(NULL, NULL)

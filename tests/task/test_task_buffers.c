@@ -79,12 +79,6 @@ static void release(buffers *b)
     test_give_back(b->bins);
 }
 
-static void read_buffer(cl_mem mem, void *to, size_t bytes)
-{
-    assert_int_equal(clEnqueueReadBuffer(own.queues[0], mem, CL_TRUE, 0, bytes, to, 0, NULL, NULL),
-                     CL_SUCCESS);
-}
-
 // ---------------------------------------------------------------- what is right
 
 static void begin(numbers *n)
@@ -113,9 +107,9 @@ static void compute(numbers *n)
 static void expect_in_buffers(const buffers *b, const numbers *right)
 {
     numbers found;
-    read_buffer(b->y, found.y, sizeof found.y);
-    read_buffer(b->z, found.z, sizeof found.z);
-    read_buffer(b->bins, found.bins, sizeof found.bins);
+    own_read(0, b->y, found.y, sizeof found.y, NULL);
+    own_read(0, b->z, found.z, sizeof found.z, NULL);
+    own_read(0, b->bins, found.bins, sizeof found.bins, NULL);
     assert_memory_equal(found.y, right->y, sizeof found.y);
     assert_memory_equal(found.z, right->z, sizeof found.z);
     assert_memory_equal(found.bins, right->bins, sizeof found.bins);
@@ -264,9 +258,5 @@ TEST(a_wrong_buffer_is_one_line)
     duet_device_pair_destroy(pair);
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    test_each(NULL, test_leaves_no_object);
-    return test_run(open_program, close_program);
-}
+TEST_EACH(NULL, test_leaves_no_object)
+TEST_MAIN(open_program, close_program)

@@ -335,9 +335,5 @@ TEST(a_kernel_that_is_nowhere_or_wrong_is_one_line)
     expect_none(&def, DUET_STATUS_BAD_ARGUMENT, "a kernel's name is '../scale'");
 }
 
-int main(int argc, char **argv)
-{
-    test_begin(argc, argv);
-    test_each(fill, test_leaves_no_object);
-    return test_run(NULL, NULL);
-}
+TEST_EACH(fill, test_leaves_no_object)
+TEST_MAIN(NULL, NULL)

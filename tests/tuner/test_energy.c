@@ -160,7 +160,7 @@ TEST(a_counter_that_does_not_move_is_no_energy)
     measurement found =
         measure_plan(&machine, &(duet_plan){0}, (measure_way){.repeats = 2, .meter = m});
     assert_string_not_equal(found.row.outcome, "ok");
-    assert_non_null(strstr(found.failure.text, FILE_NAME " did not move within 2000 launches"));
+    assert_says(found.failure.text, FILE_NAME " did not move within 2000 launches");
     energy_meter_close(m);
 }
 

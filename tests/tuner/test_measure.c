@@ -10,8 +10,7 @@ enum { BOXES = 300 };
 
 static duet_world *make_world(void)
 {
-    duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    duet_world_def def = devices_def(3);
     duet_world *world = must(duet_world_create(&def, ERR));
     duet_pose *poses = must(duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, ERR));
     for (int i = 0; i < BOXES; ++i)

@@ -370,9 +370,8 @@ typedef struct fixture {
 static void make_world(fixture *f)
 {
     duet_error err = {0};
-    duet_device_pair_def devices = duet_default_device_pair_def();
     duet_world_def def = duet_default_world_def();
-    must((f->pair = duet_device_pair_create(&devices, ERR)));
+    must((f->pair = duet_device_pair_open(NULL, ERR)));
     def.pair = f->pair;
     def.plan.share = DUET_SHARE_ONE / 2;
     must((f->world = duet_world_create(&def, ERR)));
@@ -487,8 +486,7 @@ static uint64_t run_falling(duet_motion *m, duet_online *watching)
 
 TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
 {
-    duet_device_pair_def devices = duet_default_device_pair_def();
-    duet_device_pair *pair = must(duet_device_pair_create(&devices, ERR));
+    duet_device_pair *pair = must(duet_device_pair_open(NULL, ERR));
     const duet_setting n = {"n", "600"};
     duet_scene *scene = must(duet_scene_load("falling", &n, 1, ERR));
     duet_motion *plain = drop(pair, scene, DUET_SHARE_ONE / 2);

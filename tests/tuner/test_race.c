@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/test.h"
 
+#include "tuner/online.h"
 #include "tuner/race.h"
 
 TEST(medians_and_deviations_of_few_values)
@@ -293,6 +294,41 @@ TEST(times_measured_apart_are_told_by_both_intervals)
     assert_int_equal(race_compare_apart(slow, 7, fast, 7, 0.95).verdict, RACE_SLOWER);
     assert_int_equal(race_compare_apart(slow, 7, slow, 7, 0.95).verdict, RACE_SAME);
     assert_int_equal(race_compare_apart(fast, 6, slow, 6, 0.95).verdict, RACE_AMBIGUOUS);
+}
+
+// ---------------------------------------------------------------- drift
+
+static int steps_until_alarm(rng *r, double factor, double noise, int most)
+{
+    drift d = {0};
+    for (int i = 1; i <= most; ++i)
+        if (drift_update(&d, 1e6 * factor * exp(noise * rng_normal(r)), 1e6))
+            return i;
+    return -1;
+}
+
+TEST(a_steady_machine_raises_no_alarm)
+{
+    rng r = rng_seed(test_seed());
+    assert_int_equal(steps_until_alarm(&r, 1, 0.02, 100000), -1);
+    assert_int_equal(steps_until_alarm(&r, 1, 0.20, 100000), -1);
+    assert_int_equal(steps_until_alarm(&r, 1.02, 0.02, 100000), -1);
+}
+
+TEST(a_shift_raises_the_alarm_soon)
+{
+    rng r = rng_seed(test_seed());
+    assert_in_range(steps_until_alarm(&r, 1.3, 0.02, 1000), 2, 20);
+    assert_in_range(steps_until_alarm(&r, 0.7, 0.02, 1000), 2, 20);
+    assert_in_range(steps_until_alarm(&r, 1.1, 0.05, 1000), 2, 60);
+}
+
+TEST(one_hiccup_raises_no_alarm)
+{
+    drift d = {0};
+    for (int i = 0; i < 100; ++i)
+        assert_false(drift_update(&d, i == 50 ? 1e9 : 1e6, 1e6));
+    assert_false(drift_update(&d, 0.0 / 0.0, 1e6));
 }
 
 TEST_MAIN(NULL, NULL)

@@ -66,18 +66,18 @@ static void record_invented(store *s)
     }
 }
 
-// The one surface of that many objects in a store; the caller closes *r and frees it.
-static profile_surface *open_surface(store *s, uint64_t n, replay *r)
+// The one surface of that many objects in a store; the caller closes *r.
+static void open_surface(store *s, uint64_t n, replay *r)
 {
     profile_surface *surfaces;
     uint32_t n_surfaces, i = 0;
     must(profile_surfaces_get(s, &surfaces, &n_surfaces, ERR));
+    test_keep(surfaces, free);
     while (i < n_surfaces && surfaces[i].n != n)
         ++i;
     assert_true(i < n_surfaces);
     surfaces[0] = surfaces[i];
     must(replay_open(r, s, &surfaces[0], ERR));
-    return surfaces;
 }
 
 // Each better than the one before, until no plan is better than what was chosen.
@@ -119,10 +119,9 @@ static double replayed_ns(const replay *r, double share)
 TEST(a_share_between_two_takes_what_lies_between)
 {
     replay r;
-    test_folder own = test_folder_make();
-    store *s = test_store_open(own.store, STORE_WRITE);
+    store *s = test_store_fresh();
     record_invented(s);
-    profile_surface *surface = open_surface(s, INVENTED, &r);
+    open_surface(s, INVENTED, &r);
     assert_int_equal(r.n_points, POINTS);
     assert_true(fabs(replayed_ns(&r, 0.75) - true_ns(0.75)) < 1);
     assert_true(fabs(replayed_ns(&r, 0.73) - true_ns(0.73)) < 20);
@@ -139,18 +138,15 @@ TEST(a_share_between_two_takes_what_lies_between)
     assert_true(fabs(replayed_ns(&r, 0.01) - true_ns(1.0 / POINTS)) < 1);
     assert_true(fabs(replayed_ns(&r, 0.99) - true_ns(1 - 1.0 / POINTS)) < 1);
     replay_close(&r);
-    free(surface);
-    store_close(s);
 }
 
 // A takes five times as long for an object as B: the best of all twentieths is 3.
 TEST(a_strategy_ends_where_the_invented_devices_are_in_balance)
 {
     replay r;
-    test_folder own = test_folder_make();
-    store *s = test_store_open(own.store, STORE_WRITE);
+    store *s = test_store_fresh();
     record_invented(s);
-    profile_surface *surface = open_surface(s, INVENTED, &r);
+    open_surface(s, INVENTED, &r);
     assert_int_equal(r.best->plan.share, lround(3.0 * DUET_SHARE_ONE / POINTS));
     for (uint64_t seed = 0; seed < 20; ++seed) {
         replay_outcome o = run(&r, "balance", seed);
@@ -162,8 +158,6 @@ TEST(a_strategy_ends_where_the_invented_devices_are_in_balance)
         assert_true(o.seconds < 1e-9 * true_ns(1) * (1 + SPREAD) * o.launches);
     }
     replay_close(&r);
-    free(surface);
-    store_close(s);
 }
 
 // ---------------------------------------------------------------- kernels and share
@@ -233,15 +227,15 @@ static double least_joint_ns(void)
     return least;
 }
 
-static profile_surface *open_joint(store *s, replay *r)
+static void open_joint(store *s, replay *r)
 {
     profile_surface *surfaces;
     uint32_t n;
     must(profile_surfaces_get(s, &surfaces, &n, ERR));
+    test_keep(surfaces, free);
     assert_true(n > 0 && surfaces[n - 1].joint);
     surfaces[0] = surfaces[n - 1];
     must(replay_open(r, s, &surfaces[0], ERR));
-    return surfaces;
 }
 
 // The least of all is known, and random search of a tenth of the plans is seldom far from it.
@@ -251,10 +245,9 @@ TEST(kernels_and_share_are_searched_on_what_brute_force_recorded)
     static const char *const names[] = {"brute", "annealing", "random"};
     static const double most[] = {1e-9, 0.05, 0.15}; // in the mean
     replay r;
-    test_folder own = test_folder_make();
-    store *s = test_store_open(own.store, STORE_WRITE);
+    store *s = test_store_fresh();
     record_joint(s);
-    profile_surface *surface = open_joint(s, &r);
+    open_joint(s, &r);
     assert_int_equal(r.n_points, 2 * KERNELS + (GRID - 1) * KERNELS * KERNELS);
     assert_true(fabs(r.best->median_ns / least_joint_ns() - 1) < 1e-6);
     for (int device = 0; device < 2; ++device) {
@@ -275,35 +268,29 @@ TEST(kernels_and_share_are_searched_on_what_brute_force_recorded)
         assert_true(mean <= most[k]);
     }
     replay_close(&r);
-    free(surface);
-    store_close(s);
 }
 
 TEST(a_strategy_for_a_share_alone_needs_another_surface)
 {
     replay r;
     replay_outcome o;
-    test_folder own = test_folder_make();
-    store *s = test_store_open(own.store, STORE_WRITE);
+    store *s = test_store_fresh();
     record_joint(s);
-    profile_surface *surface = open_joint(s, &r);
+    open_joint(s, &r);
     must_fail(replay_run(&r, &(duet_tune_def){.strategy = "balance"}, NULL, &o, ERR),
               DUET_STATUS_BAD_ARGUMENT,
               "'balance' chooses a share alone; expected one for kernels");
     replay_close(&r);
-    free(surface);
-    store_close(s);
-    surface = open_surface(recorded, 20000, &r);
+    open_surface(recorded, 20000, &r);
     must_fail(replay_run(&r, &(duet_tune_def){.strategy = "random"}, NULL, &o, ERR),
               DUET_STATUS_BAD_ARGUMENT, "'random' chooses kernels and share; expected one for a");
     replay_close(&r);
-    free(surface);
 }
 
 TEST(the_same_seed_gives_the_same_tuning)
 {
     replay r;
-    profile_surface *surface = open_surface(recorded, 20000, &r);
+    open_surface(recorded, 20000, &r);
     for (uint32_t i = 0; strategies[i] && strategies[i] != &strategy_lua; ++i) {
         const char *name = strategies[i]->name;
         replay_outcome first = run(&r, name, 7), other = run(&r, name, 8), again = run(&r, name, 7);
@@ -311,7 +298,6 @@ TEST(the_same_seed_gives_the_same_tuning)
         assert_true(first.seconds != other.seconds);
     }
     replay_close(&r);
-    free(surface);
 }
 
 static double median_loss(replay *r, const char *name)
@@ -330,12 +316,11 @@ TEST(on_recorded_surfaces_grid_and_balance_come_near_the_best)
     static const uint64_t sizes[] = {20000, 100000};
     for (int i = 0; i < 2; ++i) {
         replay r;
-        profile_surface *surface = open_surface(recorded, sizes[i], &r);
+        open_surface(recorded, sizes[i], &r);
         assert_true(r.best->plan.share > 0 && r.best->plan.share < DUET_SHARE_ONE);
         assert_true(median_loss(&r, "grid") < 0.05);
         assert_true(median_loss(&r, "balance") < 0.05);
         replay_close(&r);
-        free(surface);
     }
 }
 

@@ -870,7 +870,7 @@ TEST(a_stop_while_a_kernel_is_built_is_no_trial)
     budget_set_watch(NULL);
     assert_false(ran);
     assert_int_equal(err.status, DUET_STATUS_INTERRUPTED);
-    assert_non_null(strstr(err.text, "stopped after 2 trials"));
+    assert_says(err.text, "stopped after 2 trials");
     assert_int_equal(kept.n, 2); // trials of four launches each; the third was cut
     assert_int_equal(f.recorded, 2);
 }
