@@ -301,9 +301,6 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own);
 // memory all ranks fail.
 void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own);
 
-// Makes a motion of all bodies that of a file; not collective.
-bool moving_load(duet_motion *whole, const char *path, duet_error *own);
-
 // Whether all bodies travel when they are exchanged, also those that stay: they do if commands left
 // more than motions have, and without contacts, for nothing says then which bodies leave.
 static inline bool moving_all_travel(const moving *m)

@@ -132,13 +132,3 @@ bool moving_save(moving *m, const char *path, duet_error *own)
     duet_motion_destroy(whole);
     return ok && ranks_agree(m->ranks, is_well(own), own);
 }
-
-// ---------------------------------------------------------------- loading
-
-bool moving_load(duet_motion *whole, const char *path, duet_error *own)
-{
-    if (!duet_motion_load(whole, path, own))
-        return false;
-    domain_forget_idle_commands(whole);
-    return true;
-}
