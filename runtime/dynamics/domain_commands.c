@@ -4,7 +4,7 @@
 #include "base/compare.h"
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
-#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_targets.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -5,6 +5,7 @@
 #include "runtime/dynamics/domain_commands.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include <stdlib.h>
 #include <string.h>

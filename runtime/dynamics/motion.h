@@ -51,7 +51,8 @@ typedef struct motion_kernels {
     kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
-    kernel *colour_contacts; // does what these and the sort do; NULL: a launch has no groups that wait
+    kernel
+        *colour_contacts; // does what these and the sort do; NULL: a launch has no groups that wait
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution, *solve_shocks;
     kernel *solve_substeps; // NULL with shocks, and if more bodies are always awake than a GPU's
@@ -224,12 +225,6 @@ bool motion_set_share(duet_motion *m, uint32_t share, duet_error *err);
 // built, as kernel_spaces_read.
 bool motion_kernel_spaces(duet_motion *m, kernel_spaces *to, duet_error *err);
 
-// Puts poses and bodies into B's buffers, and 0 into what they lack.
-bool motion_reset(duet_motion *m, duet_error *err);
-
-// The rotation and the angular velocity that an object was given.
-void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
-
 // All states, which the caller frees; NULL if a number of them is no longer finite.
 duet_state *motion_read_states(duet_motion *m, duet_error *err);
 
@@ -249,35 +244,15 @@ uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id);
 bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
                          cl_int4 *cells, duet_error *err);
 
-// One over the inertia of an object about each of its own axes; 0: never turned about it.
-void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]);
-
 // 32-bit words of state that an object has in a buffer; 0: not by object, or
 // not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
+// Whether a buffer has reals by object, and these are doubles.
+bool motion_has_doubles(const duet_motion *m, motion_buffer which);
+
 // Bytes of state that an object has for an effect.
 uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect);
-
-// Puts what poses and bodies say of some objects into B's buffers; places NULL: of all n.
-enum motion_part {
-    PART_POSE = 1 << 0, // centre and rotation
-    PART_SIZE = 1 << 1,
-    PART_VELOCITY = 1 << 2,
-    PART_ANGULAR_VELOCITY = 1 << 3,
-    PART_MASS = 1 << 4,
-    PART_SURFACE = 1 << 5, // what contacts know of a body
-    PART_FILTER = 1 << 6,
-    PART_SENSOR = 1 << 7,
-    PART_ALL = (1 << 8) - 1
-};
-bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
-                        duet_error *err);
-
-// Fills rows of some objects, one behind the other, with what poses and bodies say of them; what a
-// buffer has besides is left.
-void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
-                       void *packed);
 
 // Makes space for all n objects, of which the first old_n have it. The state of the others becomes
 // 0; the device may still be writing that on return.

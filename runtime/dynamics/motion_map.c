@@ -4,8 +4,9 @@
 
 #include "base/error.h"
 #include "runtime/duet_opencl.h"
-#include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/motion_state.h"
+#include "runtime/dynamics/motion_targets.h"
 #include "runtime/opencl/callers_buffer.h"
 
 #include <math.h>

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include <math.h>
 #include <stdlib.h>
