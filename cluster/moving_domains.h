@@ -147,12 +147,6 @@ static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
     return b->own == d->number;
 }
 
-// Whether it is the domain's own and acts: then its contacts are right there.
-static inline bool moving_decides(const moving_domain *d, const moving_body *b)
-{
-    return b->own == d->number && b->acts;
-}
-
 // Returns the body at a place; NULL: a wall, or the ground.
 static inline const moving_body *moving_body_or_wall(const moving_domain *d, uint32_t place)
 {
@@ -178,12 +172,6 @@ static inline bool moving_other_tells(const moving_domain *d, uint32_t owner, ui
 {
     const moving_body *a = moving_body_or_wall(d, owner), *b = moving_body_or_wall(d, other);
     return b && b->acts && !(a && a->acts && a->id < b->id);
-}
-
-// Whether the body at a place moves and is another domain's.
-static inline bool moving_is_ghost(const moving_domain *d, uint32_t place)
-{
-    return (d->places[place].kind & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
 }
 
 // Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.

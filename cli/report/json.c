@@ -38,15 +38,6 @@ bool json_write(const cJSON *o, text *t, duet_error *err)
     return text_ok(t, err);
 }
 
-void json_add_object(cJSON *o, const char *name, const char *chars)
-{
-    cJSON *object = chars ? cJSON_ParseWithOpts(chars, NULL, true) : NULL;
-    if (cJSON_IsObject(object))
-        cJSON_AddItemToObject(o, name, object);
-    else
-        cJSON_Delete(object);
-}
-
 static cJSON *make(const json_member *m)
 {
     return m->kind == JSON_STRING ? cJSON_CreateString(m->string)

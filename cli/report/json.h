@@ -18,9 +18,6 @@ cJSON *json_read(const char *path, duet_error *err);
 // strings hold.
 bool json_write(const cJSON *o, text *t, duet_error *err);
 
-// Adds a field from an object's text; none if the text is not one object.
-void json_add_object(cJSON *o, const char *name, const char *chars);
-
 // A member of an object: a string (NULL: none), a flag, or a number (NaN: null).
 typedef struct json_member {
     const char *name;

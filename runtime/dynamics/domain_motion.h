@@ -58,9 +58,8 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 // Reads contacts, which the caller frees. A link of NO_PLACE is of none that is here.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
-// Reads the contacts of c->rows, all but their links, and writes them.
+// Reads the contacts of c->rows, all but their links.
 bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err);
-bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err);
 
 // Two parts of a row by object, in words: where they begin, how many are taken, and how many of
 // every four of the first part; 0: all.
