@@ -108,10 +108,12 @@ static void empty_places(duet_motion *m)
     }
 }
 
+// Contacts of places that bodies left end once pairs are searched.
 bool motion_end_commands(duet_motion *m, duet_error *err)
 {
-    motion_commands *c = m->commands;
-    if (c->n_left > 0 && (!motion_rows_are_stale(m) || !(m->effects & DUET_EFFECT_CONTACT)))
+    const motion_commands *c = m->commands;
+    const bool waits = product_is_forgotten(&m->products, PRODUCT_PAIRS);
+    if (c->n_left > 0 && (!waits || !(m->effects & DUET_EFFECT_CONTACT)))
         empty_places(m);
     return c->n_pushed == 0 || forget_forces(m, err);
 }
