@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_create.h"
 #include "runtime/narrowphase/mesh.h"
 #include "runtime/scene/scene_bodies.h"
 

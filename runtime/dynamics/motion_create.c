@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "runtime/dynamics/motion_create.h"
+
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_state.h"
