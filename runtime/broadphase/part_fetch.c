@@ -62,9 +62,9 @@ static uint64_t count_to_fetch(const part *p)
 static bool start_early_read(part *p, cl_event *counters_read, duet_error *err)
 {
     buffer *pairs = pairs_to_fetch(p);
-    size_t open_bytes = smaller_size(p->undecided.bytes, sizeof((early_read *)0)->open);
-    size_t bytes = smaller_size(p->pairs_early * sizeof(duet_pair), p->fetched.size);
-    bytes = smaller_size(bytes, pairs->bytes);
+    size_t open_bytes = smaller(p->undecided.bytes, sizeof((early_read *)0)->open);
+    size_t bytes = smaller(p->pairs_early * sizeof(duet_pair), p->fetched.size);
+    bytes = smaller(bytes, pairs->bytes);
     if (!host_block_reserve(&p->early, p->device, 1, sizeof(early_read), err))
         return false;
     early_read *n = p->early.bytes;

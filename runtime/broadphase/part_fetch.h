@@ -5,7 +5,7 @@
 
 #include "runtime/broadphase/part.h"
 
-static inline size_t smaller_size(size_t a, size_t b)
+static inline size_t smaller(size_t a, size_t b)
 {
     return a < b ? a : b;
 }

@@ -28,7 +28,7 @@ static bool reserve_pairs(part *p, buffer *b, uint64_t pairs, duet_error *err)
 static uint32_t search_work(const part *p)
 {
     const part_range *r = &p->task.range;
-    return (uint32_t)smaller_size(r->last, smaller_size(r->expected, p->objects.n)) - r->first;
+    return (uint32_t)smaller(r->last, smaller(r->expected, p->objects.n)) - r->first;
 }
 
 static bool run_narrow(part *p, uint64_t work, duet_error *err)
