@@ -316,8 +316,10 @@ bool moving_compare_work(moving *m, const tally *t, duet_error *own);
 // moving_colour.c: gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);
 
-// moving_begin.c: makes a motion without bodies, as a part of all of them.
+// moving_begin.c: makes a motion without bodies, as a part of all of them; and frees all that a
+// domain has but its motion.
 duet_motion *moving_create(const moving *m, duet_error *own);
+void moving_end_domain(moving_domain *d);
 
 // Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
 // memory all ranks fail.

@@ -96,11 +96,7 @@ static duet_motion *make_whole(moving *m, parcels *bodies, parcels *contacts, du
         moving_replace(m, &whole, own);
     if (whole.motion && is_well(own))
         domain_lay_rows(whole.motion, own);
-    free(whole.came.items);
-    free(whole.contacts.items);
-    free(whole.index.firsts);
-    free(whole.bodies.rows);
-    free(whole.places);
+    moving_end_domain(&whole);
     return whole.motion;
 }
 
