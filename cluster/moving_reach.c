@@ -102,7 +102,6 @@ static extent extent_of_bounds(const moving *m, const float bounds[6])
 static float *read_far_boxes(const moving_domain *d, const domain_near *near, uint32_t n,
                              duet_error *own)
 {
-    const row_parts whole = {.words = {6}};
     uint32_t *places = malloc((n + 1) * sizeof *places);
     float *boxes = malloc((6 * (size_t)n + 1) * sizeof *boxes);
     if (!places || !boxes)
@@ -110,7 +109,7 @@ static float *read_far_boxes(const moving_domain *d, const domain_near *near, ui
     for (uint32_t i = 0; places && i < n; ++i)
         places[i] = near[i].place;
     if (is_well(own))
-        domain_pack_rows(d->motion, FAR_BOXES, &whole, places, n, boxes, own);
+        domain_pack_rows(d->motion, FAR_BOXES, NULL, places, n, boxes, own);
     free(places);
     return boxes;
 }

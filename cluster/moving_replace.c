@@ -134,10 +134,8 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
 // Leaves those that sleep.
 static bool leave_sleepers(moving_domain *d, row_list *places, cl_uint *asleep, duet_error *own)
 {
-    const row_parts whole = {.words = {1}};
     uint64_t n = 0;
-    if (!domain_pack_rows(d->motion, ASLEEP, &whole, places->rows, (uint32_t)places->n, asleep,
-                          own))
+    if (!domain_pack_rows(d->motion, ASLEEP, NULL, places->rows, (uint32_t)places->n, asleep, own))
         return false;
     for (uint64_t i = 0; i < places->n; ++i)
         if (asleep[i] & SLEEPS)
@@ -149,7 +147,6 @@ static bool leave_sleepers(moving_domain *d, row_list *places, cl_uint *asleep, 
 // They have no rest.
 static bool wake(moving_domain *d, row_list *places, duet_error *own)
 {
-    const row_parts whole = {.words = {1}};
     if (places->n == 0)
         return true;
     cl_uint *rests = malloc(places->n * sizeof *rests);
@@ -157,7 +154,7 @@ static bool wake(moving_domain *d, row_list *places, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "bodies that wake: no memory");
     else if (leave_sleepers(d, places, rests, own)) {
         memset(rests, 0, places->n * sizeof *rests);
-        domain_unpack_rows(d->motion, RESTS, &whole, places->rows, (uint32_t)places->n, rests, own);
+        domain_unpack_rows(d->motion, RESTS, NULL, places->rows, (uint32_t)places->n, rests, own);
         domain_await_rows(d->motion, own);
     }
     free(rests);

@@ -27,12 +27,11 @@ static bool begin_reading(const moving *m, size_t n, reading *r, duet_error *own
 static bool read_rows(const moving *m, moving_domain *d, const row_list *places, reading *r,
                       duet_error *own)
 {
-    const row_parts whole = {.words = {6}};
     const uint32_t n = (uint32_t)places->n;
     return begin_reading(m, n, r, own) &&
            domain_read_states(d->motion, places->rows, n, r->states, own) &&
            (!moving_touches(m) ||
-            domain_pack_rows(d->motion, FAR_BOXES, &whole, places->rows, n, r->far_boxes, own));
+            domain_pack_rows(d->motion, FAR_BOXES, NULL, places->rows, n, r->far_boxes, own));
 }
 
 static void fill_row(const moving *m, moving_domain *d, uint32_t place, const char *state,

@@ -170,7 +170,8 @@ bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, con
 static some_rows rows_of(const duet_motion *m, motion_buffer which, const row_parts *parts,
                          const domain_ids *ids)
 {
-    return (some_rows){which, which == GHOSTS ? GHOST_WORDS : motion_words(m, which), *parts, *ids};
+    const uint32_t words = which == GHOSTS ? GHOST_WORDS : motion_words(m, which);
+    return (some_rows){which, words, parts ? *parts : (row_parts){.words = {words}}, *ids};
 }
 
 bool domain_pack_listed(duet_motion *m, motion_buffer which, const row_parts *parts,
