@@ -44,21 +44,17 @@ static bool begins_on_device(const duet_motion_def *def, const moving_start *sta
     return start->resume || def->origin_edge > 0.0f || (def->wants & DUET_EFFECT_DEPENETRATION);
 }
 
-static bool load(duet_motion *known, const char *path, duet_error *own)
-{
-    if (!duet_motion_load(known, path, own))
-        return false;
-    domain_forget_idle_commands(known);
-    return true;
-}
-
 // One domain alone takes its bodies apart in its first step.
 static void open_known(duet_motion *known, const moving_start *start, bool is_alone,
                        duet_error *own)
 {
     if (start->plan)
         known->def.plan = *start->plan;
-    if (motion_open(known, own) && (!start->resume || load(known, start->resume, own)) && !is_alone)
+    bool ok =
+        motion_open(known, own) && (!start->resume || duet_motion_load(known, start->resume, own));
+    if (ok && start->resume)
+        domain_forget_idle_commands(known);
+    if (ok && !is_alone)
         domain_begin_apart(known, own);
 }
 

@@ -156,8 +156,7 @@ static inline bool motion_start_flags(duet_motion *m, duet_error *err)
                                sizeof m->flags, err);
 }
 
-// 32-bit words of state that an object has in a buffer; 0: not by object, or
-// not called for.
+// 32-bit words of state that an object has in a buffer; 0: not by object, or not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
 // Whether a buffer has reals by object, and these are doubles.

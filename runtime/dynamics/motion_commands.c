@@ -58,17 +58,23 @@ bool duet_motion_has_body(const duet_motion *m, uint64_t id)
     return m && place < m->n && motion_id_at(m, place) == id && motion_has_place(m, place);
 }
 
+bool motion_has_range(const duet_motion *m, uint32_t first, uint32_t n, const char *call,
+                      duet_error *err)
+{
+    return (first <= m->n && n <= m->n - first) ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "%s: places %u to %llu; the motion has %u places", call, first,
+                     (unsigned long long)first + n, m->n);
+}
+
 bool duet_motion_get_ids(const duet_motion *m, uint32_t first, uint32_t n, uint64_t *ids,
                          duet_error *err)
 {
     PUBLIC_CALL(err);
     if (!error_given(m, __func__, "motion", err) ||
-        (n > 0 && !error_given(ids, __func__, "ids", err)))
+        (n > 0 && !error_given(ids, __func__, "ids", err)) ||
+        !motion_has_range(m, first, n, __func__, err))
         return false;
-    if (first > m->n || n > m->n - first)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: places %u to %llu; the motion has %u places", __func__, first,
-                         (unsigned long long)first + n, m->n);
     for (uint32_t i = 0; i < n; ++i)
         ids[i] = motion_has_place(m, first + i) ? motion_id_at(m, first + i) : DUET_NO_BODY;
     return true;

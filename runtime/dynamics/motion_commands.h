@@ -61,6 +61,10 @@ static inline bool motion_has_place(const duet_motion *m, uint32_t place)
     return !m->commands || m->commands->states[place] >= PLACE_DISABLED;
 }
 
+// BAD_ARGUMENT unless the motion has places [first, first + n).
+bool motion_has_range(const duet_motion *m, uint32_t first, uint32_t n, const char *call,
+                      duet_error *err);
+
 // BAD_ARGUMENT if the motion lacks an effect that a call needs; if any are missing that `who`
 // needs.
 bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_error *err);

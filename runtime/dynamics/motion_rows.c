@@ -49,7 +49,7 @@ static bool open_rows(duet_motion *m, motion_rows *rows, bool fresh, duet_error 
     return are_of_host(rows) ? map_rows(m, rows, at, err) : fetch_rows(m, rows, at, fresh, err);
 }
 
-motion_rows motion_rows_of(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last)
+static motion_rows rows_of(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last)
 {
     size_t row = motion_words(m, which) * sizeof(uint32_t);
     return (motion_rows){.of = &m->buffers[which],
@@ -62,14 +62,14 @@ motion_rows motion_rows_of(duet_motion *m, motion_buffer which, uint32_t first, 
 bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
                       motion_rows *rows, duet_error *err)
 {
-    *rows = motion_rows_of(m, which, first, last);
+    *rows = rows_of(m, which, first, last);
     return open_rows(m, rows, false, err);
 }
 
 bool motion_rows_fresh(duet_motion *m, motion_buffer which, uint32_t n, motion_rows *rows,
                        duet_error *err)
 {
-    *rows = motion_rows_of(m, which, 0, n);
+    *rows = rows_of(m, which, 0, n);
     return open_rows(m, rows, true, err);
 }
 

@@ -189,8 +189,9 @@ static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what
 void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
                        void *packed)
 {
-    motion_rows rows = motion_rows_of(m, which, 0, n);
-    rows.bytes = packed;
+    const motion_rows rows = {.row = motion_words(m, which) * sizeof(uint32_t),
+                              .doubles = motion_has_doubles(m, which),
+                              .bytes = packed};
     for (size_t what = 0; what < sizeof sent / sizeof sent[0]; ++what)
         if (sent[what].which == which && sent[what].from == 0)
             for (uint32_t i = 0; i < n; ++i)
