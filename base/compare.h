@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Orders for qsort and bsearch.
+// Orders for qsort and bsearch, and the lesser and the greater of two numbers.
 #ifndef BASE_COMPARE_H
 #define BASE_COMPARE_H
 
@@ -28,6 +28,17 @@ static inline int compare_double(const void *left, const void *right)
 {
     double p = *(const double *)left, q = *(const double *)right;
     return (p > q) - (p < q);
+}
+
+// Unlike fmin and fmax these are no calls, for the sake of NaN, which does not come here.
+static inline double lesser(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b)
+{
+    return a > b ? a : b;
 }
 
 #endif

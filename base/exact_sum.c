@@ -21,10 +21,9 @@ static void carry(int64_t limbs[EXACT_SUM_LIMBS])
     }
 }
 
-static void note_additions(exact_sum *s, uint64_t n)
+static void note_addition(exact_sum *s)
 {
-    s->carried += n;
-    if (s->carried < BETWEEN_CARRIES)
+    if (++s->carried < BETWEEN_CARRIES)
         return;
     carry(s->limbs);
     s->carried = 0;
@@ -49,15 +48,7 @@ void exact_sum_add(exact_sum *s, double x)
     limb[0] += sign * (int64_t)(low & (limb_end - 1));
     limb[1] += sign * (int64_t)((low >> LIMB) + (high & (limb_end - 1)));
     limb[2] += sign * (int64_t)(high >> LIMB);
-    note_additions(s, 1);
-}
-
-void exact_sum_merge(exact_sum *s, const exact_sum *other)
-{
-    for (int k = 0; k < EXACT_SUM_LIMBS; ++k)
-        s->limbs[k] += other->limbs[k];
-    s->wild += other->wild;
-    note_additions(s, other->carried + 1);
+    note_addition(s);
 }
 
 // ---------------------------------------------------------------- rounding

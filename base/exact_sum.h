@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A sum of doubles without any rounding: the same bits in any order, and in any division into parts
-// that are merged. A fixed-point number as wide as all doubles (Kulisch's accumulator).
+// A sum of doubles without any rounding: the same bits in any order. A fixed-point number as wide
+// as all doubles (Kulisch's accumulator).
 #ifndef BASE_EXACT_SUM_H
 #define BASE_EXACT_SUM_H
 
@@ -18,7 +18,6 @@ typedef struct exact_sum {
 } exact_sum;
 
 void exact_sum_add(exact_sum *s, double x);
-void exact_sum_merge(exact_sum *s, const exact_sum *other);
 
 // Returns the double nearest to the sum, of two the even one; beyond them an infinity.
 double exact_sum_round(const exact_sum *s);

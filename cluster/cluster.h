@@ -91,12 +91,6 @@ void cluster_objective(duet_cluster *c, char objective[CLUSTER_OBJECTIVE]);
 
 // ---------------------------------------------------------------- of its own files
 
-// Returns how many workers take turns: one is filled while the other searches.
-static inline int cluster_workers(const duet_cluster *c)
-{
-    return c->owned.n_domains > 1 ? 2 : 1;
-}
-
 // Opens the pair that the def names, else DUET_PAIR if that is set. A rank alone on its host gets
 // the host's default pair. Several ranks get a GPU each, in turn; without a GPU, an equal part of
 // the CPU's units.
@@ -104,7 +98,9 @@ bool cluster_open_pair(duet_cluster *c, duet_error *err);
 // Returns whether this rank's devices leave the host's processors to others.
 bool cluster_spares_host(const duet_cluster *c);
 worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, duet_error *err);
-// Opens cluster_workers(c) workers for this world def. On failure none is open.
+// Returns how many workers take turns: one is filled while the other searches.
+int cluster_workers(const duet_cluster *c);
+// Opens so many workers for this world def. On failure none is open.
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err);
 void cluster_close_workers(worker *workers[2]);

@@ -82,6 +82,11 @@ worker *cluster_open_worker(const duet_cluster *c, const duet_world_def *world, 
                         : worker_open_pair(world, err);
 }
 
+int cluster_workers(const duet_cluster *c)
+{
+    return c->owned.n_domains > 1 ? 2 : 1;
+}
+
 bool cluster_open_workers(const duet_cluster *c, const duet_world_def *world, worker *workers[2],
                           duet_error *err)
 {

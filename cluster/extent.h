@@ -3,6 +3,8 @@
 #ifndef CLUSTER_EXTENT_H
 #define CLUSTER_EXTENT_H
 
+#include "base/compare.h"
+
 #include <math.h>
 #include <stdbool.h>
 
@@ -20,17 +22,6 @@ static const extent extent_all = {{-INFINITY, -INFINITY, -INFINITY},
 static inline extent extent_of_box(const float box[6])
 {
     return (extent){{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
-}
-
-// Unlike fmin and fmax these are no calls, which would take longer than the rest.
-static inline double lesser(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double greater(double a, double b)
-{
-    return a > b ? a : b;
 }
 
 static inline double extent_widest(const extent *e)

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_create.h"
 #include "runtime/narrowphase/mesh.h"
 #include "runtime/scene/scene_bodies.h"
 
@@ -49,8 +50,11 @@ static void open_known(duet_motion *known, const moving_start *start, bool is_al
 {
     if (start->plan)
         known->def.plan = *start->plan;
-    if (motion_open(known, own) && (!start->resume || moving_load(known, start->resume, own)) &&
-        !is_alone)
+    bool ok =
+        motion_open(known, own) && (!start->resume || duet_motion_load(known, start->resume, own));
+    if (ok && start->resume)
+        domain_forget_idle_commands(known);
+    if (ok && !is_alone)
         domain_begin_apart(known, own);
 }
 
@@ -192,6 +196,20 @@ static bool open_all(moving *m, const duet_motion *known, const moving_start *st
     return ok;
 }
 
+void moving_end_domain(moving_domain *d)
+{
+    free(d->bodies.rows);
+    free(d->index.firsts);
+    free(d->gone.rows);
+    free(d->came.items);
+    free(d->contacts.items);
+    free(d->places);
+    free(d->neighbours.rows);
+    domain_contacts_free(&d->told);
+    free(d->waiting.rows);
+    free(d->in_order.rows);
+}
+
 // ---------------------------------------------------------------- bodies, from rank 0
 
 // Bodies [first, first + n) of the whole, as if they were the first domain's own; `reader` has
@@ -209,12 +227,6 @@ static bool begin_some(const moving *m, duet_motion *reader, uint32_t first, uin
     return true;
 }
 
-static void end_some(moving_domain *some)
-{
-    free(some->bodies.rows);
-    free(some->places);
-}
-
 static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t n,
                        item_list *bodies, duet_error *own)
 {
@@ -222,7 +234,7 @@ static void add_bodies(moving *m, duet_motion *reader, uint32_t first, uint32_t 
     row_list places = {0};
     if (begin_some(m, reader, first, n, &some, own))
         moving_read_all(m, &some, &places, bodies, own);
-    end_some(&some);
+    moving_end_domain(&some);
     free(places.rows);
 }
 
@@ -289,7 +301,7 @@ static bool deal_bodies(moving *m, duet_motion *known, item_list *bodies, item_l
     bool ok = moving_cut(m, &all, known ? 1 : 0, own);
     if (ok && known)
         read_whole(m, &all, bodies, contacts, own);
-    end_some(&all);
+    moving_end_domain(&all);
     forget_told(m, contacts);
     for (uint32_t k = 0; k < m->parts; ++k)
         forget_told(m, &m->domains[k].contacts);
@@ -343,16 +355,7 @@ void moving_end(moving *m)
         return;
     for (uint32_t k = 0; m->domains && k < m->parts; ++k) {
         duet_motion_destroy(m->domains[k].motion);
-        free(m->domains[k].bodies.rows);
-        free(m->domains[k].index.firsts);
-        free(m->domains[k].gone.rows);
-        free(m->domains[k].came.items);
-        free(m->domains[k].contacts.items);
-        free(m->domains[k].places);
-        free(m->domains[k].neighbours.rows);
-        domain_contacts_free(&m->domains[k].told);
-        free(m->domains[k].waiting.rows);
-        free(m->domains[k].in_order.rows);
+        moving_end_domain(&m->domains[k]);
     }
     free(m->domains);
     free(m->reaches);

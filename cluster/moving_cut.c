@@ -21,6 +21,13 @@ bool moving_cut_is_due(const moving *m)
            (b->most > most_imbalance * b->mean + FEW_BODIES || b->lost > price_steps);
 }
 
+uint32_t moving_domain_of(const moving *m, const char *state)
+{
+    double at[3];
+    domain_centre(m->domains[0].motion, state, at);
+    return bisection_part(&m->cuts, at);
+}
+
 uint64_t moving_sampled(uint64_t n)
 {
     return 1 + n / SAMPLE_A_DOMAIN;

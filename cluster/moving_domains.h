@@ -147,12 +147,6 @@ static inline bool moving_is_own(const moving_domain *d, const moving_body *b)
     return b->own == d->number;
 }
 
-// Whether it is the domain's own and acts: then its contacts are right there.
-static inline bool moving_decides(const moving_domain *d, const moving_body *b)
-{
-    return b->own == d->number && b->acts;
-}
-
 // Returns the body at a place; NULL: a wall, or the ground.
 static inline const moving_body *moving_body_or_wall(const moving_domain *d, uint32_t place)
 {
@@ -180,12 +174,6 @@ static inline bool moving_other_tells(const moving_domain *d, uint32_t owner, ui
     return b && b->acts && !(a && a->acts && a->id < b->id);
 }
 
-// Whether the body at a place moves and is another domain's.
-static inline bool moving_is_ghost(const moving_domain *d, uint32_t place)
-{
-    return (d->places[place].kind & (PLACE_OWN | PLACE_MOVES)) == PLACE_MOVES;
-}
-
 // Whether the body at a place, as moving_place found it, is the domain's own; UINT32_MAX: none is.
 static inline bool moving_owns(const moving_domain *d, uint32_t place)
 {
@@ -197,27 +185,6 @@ static inline uint32_t moving_id(const moving *m, const moving_domain *d, uint32
     const moving_body *b = moving_body_or_wall(d, place);
     return b ? b->id : m->n_all + (place - (uint32_t)d->bodies.n);
 }
-
-// Returns the domain whose box holds a body of that state.
-uint32_t moving_domain_of(const moving *m, const char *state);
-
-// After bodies were replaced, or added.
-void moving_index_places(const moving *m, moving_domain *d, duet_error *own);
-
-// The place of a body in a domain; UINT32_MAX: it is not there.
-uint32_t moving_place(const moving_domain *d, uint32_t id);
-
-// The same of a contact's end, which may be a wall or the ground.
-uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
-
-// The place of the body that carries the mesh; UINT32_MAX: it is not here yet, or there is none.
-uint32_t moving_carrier_place(const moving *m, const moving_domain *d);
-
-// Orders contacts by their ends, each once; false without memory. Adds one, of two places, to those
-// that a motion is to get, which have space for it.
-bool moving_order_contacts(const moving *m, item_list *contacts);
-void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
-                        domain_contacts *to);
 
 // Returns whether bodies push each other.
 static inline bool moving_pushes(const moving *m)
@@ -244,66 +211,6 @@ static inline bool moving_touches(const moving *m)
     return m->domains[0].motion->effects & DUET_EFFECT_CONTACT;
 }
 
-// Makes a motion without bodies, as a part of all of them.
-duet_motion *moving_create(const moving *m, duet_error *own);
-
-// Reads what a step and commands made of a domain's bodies at ascending places, and adds them as
-// travellers to where they are to be own ones. Their far boxes are there. Not collective.
-void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, item_list *to,
-                        duet_error *own);
-
-// The same of all its bodies, whose far boxes are made; places become all.
-void moving_read_all(moving *m, moving_domain *d, row_list *places, item_list *to, duet_error *own);
-
-// Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
-// all domains that have what it may touch.
-bool moving_stays(const moving *m, const moving_domain *d, const extent *old, const extent *now);
-
-// Reads all domains' bodies and contacts, and exchanges them. Collective.
-bool moving_settle(moving *m, duet_error *own);
-
-// An extent in float, rounded inward or outward, so that what float says of bounds is right; in 2D
-// all lies in it along z.
-void moving_round_extent(const moving *m, const extent *e, bool inward, float to[6]);
-
-// Brings own bodies to their domains. Collective.
-bool moving_migrate(moving *m, item_list *bodies, duet_error *own);
-
-// Sends each row, which begins with the domain that it goes to, and adds those that came to their
-// domains' lists. Collective.
-typedef item_list *moving_list_of(moving_domain *d);
-bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list, duet_error *own);
-
-// After an exchange: brings contacts of ghosts that may be solved here. Collective.
-bool moving_share_contacts(moving *m, duet_error *own);
-
-// Brings own bodies, then contacts and ghosts, to their domains, and replaces all motions' bodies.
-bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own);
-
-// Adds to a step's agreement what this rank had to do, and then what all had; both once a step.
-void moving_note_work(moving *m, tally *t);
-bool moving_compare_work(moving *m, const tally *t, duet_error *own);
-
-// Whether ranks' work is so unequal that a cut pays, and a cut anew by the bodies of n domains of
-// this rank, before bodies change domains.
-bool moving_cut_is_due(const moving *m);
-bool moving_cut(moving *m, const moving_domain *domains, uint32_t n, duet_error *own);
-
-// Cuts by points (bisection_point), for which one in so many of n bodies is enough.
-bool moving_cut_by(moving *m, const item_list *points, duet_error *own);
-uint64_t moving_sampled(uint64_t n);
-
-// Sorts a domain's travellers and contacts, and makes them those of its motion instead of what is
-// gone.
-void moving_replace(moving *m, moving_domain *d, duet_error *own);
-
-// Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
-// memory all ranks fail.
-void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own);
-
-// Makes a motion of all bodies that of a file; not collective.
-bool moving_load(duet_motion *whole, const char *path, duet_error *own);
-
 // Whether all bodies travel when they are exchanged, also those that stay: they do if commands left
 // more than motions have, and without contacts, for nothing says then which bodies leave.
 static inline bool moving_all_travel(const moving *m)
@@ -318,12 +225,15 @@ static inline bool moving_sends_all(const moving *m)
     return moving_tells(m) || !moving_pushes(m);
 }
 
-// Writes a contact of a domain's motion, and its record behind, to where it has space.
-void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
-                          uint32_t i, moving_contact *row);
+// ---------------------------------------------------------------- of its files, from the lowest up
 
-// Adds the contacts of a domain's motion, each for the domains that own its ends.
-void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);
+// moving_places.c: the place of a body in a domain, UINT32_MAX: it is not there; the same of a
+// contact's end, which may be a wall or the ground, and of the body that carries the mesh, which
+// may not be here yet. Index them after bodies were replaced, or added.
+uint32_t moving_place(const moving_domain *d, uint32_t id);
+uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
+uint32_t moving_carrier_place(const moving *m, const moving_domain *d);
+void moving_index_places(const moving *m, moving_domain *d, duet_error *own);
 
 // Tells of the places of a domain's motion as its bodies are now.
 void moving_note_places(const moving *m, moving_domain *d, duet_error *own);
@@ -331,7 +241,88 @@ domain_place moving_place_of(const moving_domain *d, const moving_body *b, const
 bool moving_reserve_places(moving_domain *d, uint64_t n, duet_error *own);
 void moving_note_fixed(const moving *m, moving_domain *d, uint64_t n);
 
-// Gives all contacts their colours, once manifolds are there.
+// moving_cut.c: whether ranks' work is so unequal that a cut pays, and a cut anew by the bodies of
+// n domains of this rank, before bodies change domains.
+bool moving_cut_is_due(const moving *m);
+bool moving_cut(moving *m, const moving_domain *domains, uint32_t n, duet_error *own);
+
+// Cuts by points (bisection_point), for which one in so many of n bodies is enough.
+bool moving_cut_by(moving *m, const item_list *points, duet_error *own);
+uint64_t moving_sampled(uint64_t n);
+
+// Returns the domain whose box holds a body of that state.
+uint32_t moving_domain_of(const moving *m, const char *state);
+
+// moving_reach.c: an extent in float, rounded inward or outward, so that what float says of bounds
+// is right; in 2D all lies in it along z.
+void moving_round_extent(const moving *m, const extent *e, bool inward, float to[6]);
+
+// Finds how far each domain reaches, and its neighbours, once own bodies have come. Collective.
+bool moving_find_reaches(moving *m, duet_error *own);
+
+// Whether a domain's own body, whose bounds were `old` when bodies were last exchanged, still is in
+// all domains that have what it may touch.
+bool moving_stays(const moving *m, const moving_domain *d, const extent *old, const extent *now);
+
+// Whether pairs that the next step searches are all among the domain's bodies.
+bool moving_has_all_pairs(const moving *m, const moving_domain *d, duet_error *own);
+
+// moving_rows.c: reads what a step and commands made of a domain's bodies at ascending places, and
+// adds them as travellers to where they are to be own ones. Their far boxes are there. Not
+// collective.
+void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, item_list *to,
+                        duet_error *own);
+
+// Writes a contact of a domain's motion, and its record behind, to where it has space.
+void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
+                          uint32_t i, moving_contact *row);
+
+// Orders contacts by their ends, each once; false without memory. Adds one, of two places, to those
+// that a motion is to get, which have space for it.
+bool moving_order_contacts(const moving *m, item_list *contacts);
+void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
+                        domain_contacts *to);
+
+// Sends each row, which begins with the domain that it goes to, and adds those that came to their
+// domains' lists. Collective.
+typedef item_list *moving_list_of(moving_domain *d);
+bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list, duet_error *own);
+
+// moving_replace.c: sorts a domain's travellers and contacts, and makes them those of its motion
+// instead of what is gone.
+void moving_replace(moving *m, moving_domain *d, duet_error *own);
+
+// moving_share.c: after an exchange, brings contacts of ghosts that may be solved here. Collective.
+bool moving_share_contacts(moving *m, duet_error *own);
+
+// moving_exchange.c: brings own bodies to their domains; then contacts and ghosts, too, and
+// replaces all motions' bodies. Both are collective.
+bool moving_migrate(moving *m, item_list *bodies, duet_error *own);
+bool moving_exchange(moving *m, item_list *bodies, item_list *contacts, duet_error *own);
+
+// moving_settle.c: reads all of a domain's bodies as moving_read_bodies, whose far boxes are made;
+// places become all. Adds the contacts of its motion, each for the domains that own its ends.
+void moving_read_all(moving *m, moving_domain *d, row_list *places, item_list *to, duet_error *own);
+void moving_read_contacts(moving *m, const moving_domain *d, item_list *contacts, duet_error *own);
+
+// Reads all domains' bodies and contacts, and exchanges them. Collective.
+bool moving_settle(moving *m, duet_error *own);
+
+// moving_balance.c: adds to a step's agreement what this rank had to do, and then what all had;
+// both once a step.
+void moving_note_work(moving *m, tally *t);
+bool moving_compare_work(moving *m, const tally *t, duet_error *own);
+
+// moving_colour.c: gives all contacts their colours, once manifolds are there.
 bool moving_colour(moving *m, duet_error *own);
+
+// moving_begin.c: makes a motion without bodies, as a part of all of them; and frees all that a
+// domain has but its motion.
+duet_motion *moving_create(const moving *m, duet_error *own);
+void moving_end_domain(moving_domain *d);
+
+// Returns a copy of rank 0's array on every rank, to be freed; NULL if it has no bytes. Without
+// memory all ranks fail.
+void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_error *own);
 
 #endif

@@ -96,3 +96,22 @@ bool every_choose(moving *m, duet_error *own)
     e->turn = is_due;
     return !is_due || go_on_with(m, every_rivals[0], own);
 }
+
+uint32_t moving_get_every(const moving *m)
+{
+    return m->every;
+}
+
+const every_trial *moving_get_trial(const moving *m)
+{
+    return &m->trial;
+}
+
+// Ghosts lie deeper for more colours, and contacts of two of them are as at home after an exchange.
+bool moving_set_every(moving *m, uint32_t every, duet_error *own)
+{
+    bool is_new = m->every != every;
+    m->every = every;
+    m->trial = (every_trial){.is_fixed = true};
+    return !is_new || m->n_domains == 1 || moving_settle(m, own);
+}

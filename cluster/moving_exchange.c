@@ -4,70 +4,7 @@
 
 #include "base/compare.h"
 #include "base/error.h"
-#include "cluster/parcels.h"
 #include "runtime/bodies/ground_def.h"
-
-#include <inttypes.h>
-
-// ---------------------------------------------------------------- rows that travel
-
-typedef struct dealing {
-    const moving *m;
-    const item_list *rows;
-    size_t bytes; // of a row, which begins with the domain that it goes to
-} dealing;
-
-static uint32_t row_domain(const void *row)
-{
-    uint32_t domain;
-    memcpy(&domain, row, sizeof domain);
-    return domain;
-}
-
-static int rank_of(const void *context, uint64_t i)
-{
-    const dealing *d = context;
-    return (int)(row_domain((const char *)d->rows->items + i * d->bytes) / d->m->parts);
-}
-
-// All rows are the only domain's, which has none yet.
-static void take_all(item_list *l, parcels *in)
-{
-    free(l->items);
-    *l = (item_list){.items = in->rows, .n = in->n, .capacity = in->n};
-    in->rows = NULL;
-}
-
-static void deal_out(moving *m, parcels *in, size_t bytes, moving_list_of *list)
-{
-    item_list *first = list(&m->domains[0]);
-    if (m->parts == 1 && first->n == 0 && !first->failed) {
-        take_all(first, in);
-        return;
-    }
-    for (uint64_t i = 0; i < in->n; ++i) {
-        const char *row = (const char *)in->rows + i * bytes;
-        list_add(list(&m->domains[row_domain(row) % m->parts]), row, 1, bytes);
-    }
-}
-
-bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list, duet_error *own)
-{
-    const dealing d = {m, rows, bytes};
-    const parcels_def out = {
-        .n = rows->n, .row_bytes = bytes, .rows = rows->items, .rank_of = rank_of, .context = &d};
-    parcels in = {0};
-    if (is_well(own) && rows->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "rows that travel: no memory");
-    bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
-    if (ok)
-        deal_out(m, &in, bytes, list);
-    for (uint32_t k = 0; ok && k < m->parts; ++k)
-        if (list(&m->domains[k])->failed)
-            error_set(own, DUET_STATUS_NO_MEMORY, "rows of a domain: no memory");
-    parcels_end(&in);
-    return ok;
-}
 
 static item_list *came_of(moving_domain *d)
 {
@@ -94,28 +31,6 @@ bool moving_migrate(moving *m, item_list *bodies, duet_error *own)
 }
 
 // ---------------------------------------------------------------- ghosts
-
-// The far boxes of a domain's own bodies that act: only these have contacts that change or tell
-// something.
-static extent reach_of(const moving *m, const moving_domain *d)
-{
-    extent reach = d->reach;
-    for (uint64_t i = 0; i < d->n_came_own; ++i) {
-        const moving_traveller *t = moving_traveller_at(m, &d->came, i);
-        const extent box = extent_of_box(t->far_box);
-        if (t->body.acts)
-            extent_join(&reach, &box);
-    }
-    return reach;
-}
-
-// Ghosts lie so many bodies deep: a contact of colour k needs at most k others, one behind the
-// other, and hardly ever more than some.
-static double layers_of(const moving *m)
-{
-    const double most = 6.0;
-    return lesser(m->every - 1.0, most);
-}
 
 // The ground goes with its carrier, so all domains have that.
 static bool is_ghost_of(const moving *m, const moving_traveller *t, const extent *box, uint32_t to)
@@ -211,39 +126,11 @@ static void note_ghosts(moving *m)
     }
 }
 
-static void list_neighbours(const moving *m, moving_domain *d, duet_error *own)
-{
-    list_clear(&d->neighbours.list);
-    for (uint32_t k = 0; k < m->n_domains; ++k)
-        if (k != d->number && extents_meet(&m->reaches[k], &m->reaches[d->number]))
-            row_list_add(&d->neighbours, k);
-    if (d->neighbours.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
-}
-
-static bool find_reaches(moving *m, duet_error *own)
-{
-    extent *here = calloc(m->parts, sizeof *here);
-    if (!m->reaches)
-        m->reaches = calloc(m->n_domains, sizeof *m->reaches);
-    if (!here || !m->reaches)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
-    bool ok = ranks_agree(m->ranks, is_well(own), own);
-    for (uint32_t k = 0; ok && k < m->parts; ++k)
-        here[k] = extent_grown(reach_of(m, &m->domains[k]), layers_of(m) * m->extent);
-    if (ok)
-        ranks_gather(m->ranks, here, m->reaches, (int)(m->parts * sizeof *here));
-    for (uint32_t k = 0; ok && k < m->parts; ++k)
-        list_neighbours(m, &m->domains[k], own);
-    free(here);
-    return ok;
-}
-
 static bool exchange_ghosts(moving *m, duet_error *own)
 {
     item_list out = {0};
     halo_clear(&m->halo);
-    if (!find_reaches(m, own))
+    if (!moving_find_reaches(m, own))
         return false;
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         send_ghosts(m, &m->domains[k], &out, own);
@@ -266,37 +153,6 @@ static void mark_places(moving *m, duet_error *own)
         m->domains[sent[i].domain].places[sent[i].place].kind |= bits;
     for (uint32_t k = 0; is_well(own) && moving_touches(m) && k < m->parts; ++k)
         domain_mark_places(m->domains[k].motion, m->domains[k].places, own);
-}
-
-bool moving_reserve_places(moving_domain *d, uint64_t n, duet_error *own)
-{
-    domain_place *places = realloc(d->places, (n + FIXED) * sizeof *places);
-    d->places = places ? places : d->places;
-    return places ||
-           error_set(own, DUET_STATUS_NO_MEMORY, "the places of %" PRIu64 " bodies: no memory", n);
-}
-
-domain_place moving_place_of(const moving_domain *d, const moving_body *b, const duet_body *given)
-{
-    const bool is_own = moving_is_own(d, b), moves = given->mass > 0.0f;
-    return (domain_place){b->id, (is_own ? PLACE_OWN : 0) | (moves ? PLACE_MOVES : 0) |
-                                     (given->sensor ? PLACE_SENSOR : 0) |
-                                     (!is_own && moves ? PLACE_SHARED : 0)};
-}
-
-void moving_note_fixed(const moving *m, moving_domain *d, uint64_t n)
-{
-    for (uint32_t k = 0; k < FIXED; ++k)
-        d->places[n + k] = (domain_place){.id = m->n_all + k};
-}
-
-void moving_note_places(const moving *m, moving_domain *d, duet_error *own)
-{
-    if (!moving_reserve_places(d, d->bodies.n, own))
-        return;
-    moving_note_fixed(m, d, d->bodies.n);
-    for (uint64_t i = 0; i < d->bodies.n; ++i)
-        d->places[i] = moving_place_of(d, &d->bodies.rows[i], &d->motion->bodies[i]);
 }
 
 // They are long, and here only while they are exchanged.

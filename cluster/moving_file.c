@@ -96,11 +96,7 @@ static duet_motion *make_whole(moving *m, parcels *bodies, parcels *contacts, du
         moving_replace(m, &whole, own);
     if (whole.motion && is_well(own))
         domain_lay_rows(whole.motion, own);
-    free(whole.came.items);
-    free(whole.contacts.items);
-    free(whole.index.firsts);
-    free(whole.bodies.rows);
-    free(whole.places);
+    moving_end_domain(&whole);
     return whole.motion;
 }
 
@@ -131,14 +127,4 @@ bool moving_save(moving *m, const char *path, duet_error *own)
         duet_motion_save(whole, path, own);
     duet_motion_destroy(whole);
     return ok && ranks_agree(m->ranks, is_well(own), own);
-}
-
-// ---------------------------------------------------------------- loading
-
-bool moving_load(duet_motion *whole, const char *path, duet_error *own)
-{
-    if (!duet_motion_load(whole, path, own))
-        return false;
-    domain_forget_idle_commands(whole);
-    return true;
 }

@@ -2,95 +2,15 @@
 // A domain's bodies and contacts, once all have come, become those of its motion.
 #include "cluster/moving_domains.h"
 
-#include "base/compare.h"
 #include "base/error.h"
 #include "cluster/row_order.h"
-#include "runtime/bodies/ground_def.h"
 
 #include <inttypes.h>
-
-// ---------------------------------------------------------------- order
 
 static uint64_t key_of_traveller(const void *row)
 {
     return ((const moving_traveller *)row)->body.id;
 }
-
-static uint64_t key_of_contact(const void *row)
-{
-    const moving_contact *c = row;
-    return (uint64_t)c->owner << 32 | c->other;
-}
-
-// Domains that each had an end of a contact send it to one that has both.
-bool moving_order_contacts(const moving *m, item_list *contacts)
-{
-    return row_order(contacts, m->contact_bytes, key_of_contact);
-}
-
-// ---------------------------------------------------------------- places of ids
-
-// Bodies to a stretch of ids, about, that are searched.
-enum { STRETCH = 8 };
-
-void moving_index_places(const moving *m, moving_domain *d, duet_error *own)
-{
-    id_index *index = &d->index;
-    const uint64_t n = d->bodies.n;
-    uint32_t shift = 0;
-    while ((uint64_t)m->n_all >> shift > n / STRETCH + 1)
-        ++shift;
-    const uint64_t stretches = ((uint64_t)m->n_all >> shift) + 2;
-    uint32_t *firsts = realloc(index->firsts, stretches * sizeof *firsts);
-    index->firsts = firsts ? firsts : index->firsts;
-    index->n = 0;
-    if (!firsts) {
-        error_set(own, DUET_STATUS_NO_MEMORY, "%" PRIu64 " bodies: no memory", n);
-        return;
-    }
-    uint64_t stretch = 0;
-    for (uint32_t i = 0; i < n; ++i)
-        while (stretch < stretches && stretch <= d->bodies.rows[i].id >> shift)
-            firsts[stretch++] = i;
-    while (stretch < stretches)
-        firsts[stretch++] = (uint32_t)n;
-    index->n = stretches;
-    index->shift = shift;
-}
-
-uint32_t moving_place(const moving_domain *d, uint32_t id)
-{
-    const uint64_t stretch = (uint64_t)id >> d->index.shift;
-    const bool known = stretch + 1 < d->index.n;
-    const uint64_t first = known ? d->index.firsts[stretch] : 0;
-    const uint64_t end = known ? d->index.firsts[stretch + 1] : d->bodies.n;
-    const item_list near = {.items = d->bodies.rows + first, .n = end - first};
-    const uint64_t at = first + list_find(&near, sizeof *d->bodies.rows, &id, compare_uint32);
-    return at < d->bodies.n && d->bodies.rows[at].id == id ? (uint32_t)at : UINT32_MAX;
-}
-
-uint32_t moving_carrier_place(const moving *m, const moving_domain *d)
-{
-    const uint32_t carrier = ground_def_carrier(&m->def);
-    return carrier > 0 ? moving_place(d, carrier - 1) : UINT32_MAX;
-}
-
-uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id)
-{
-    return id < m->n_all ? moving_place(d, id) : (uint32_t)d->bodies.n + (id - m->n_all);
-}
-
-void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
-                        domain_contacts *to)
-{
-    const size_t record = m->contact_bytes - sizeof *c;
-    to->links[to->n] = (cl_uint2){{owner, other}};
-    to->touches[to->n] = c->touch;
-    to->colours[to->n] = c->colour;
-    memcpy((char *)to->records + to->n++ * record, c + 1, record);
-}
-
-// ---------------------------------------------------------------- into the motions
 
 typedef struct replacement {
     domain_bodies bodies;
@@ -214,10 +134,8 @@ static void fill_contacts(const moving *m, const moving_domain *d, replacement *
 // Leaves those that sleep.
 static bool leave_sleepers(moving_domain *d, row_list *places, cl_uint *asleep, duet_error *own)
 {
-    const row_parts whole = {.words = {1}};
     uint64_t n = 0;
-    if (!domain_pack_rows(d->motion, ASLEEP, &whole, places->rows, (uint32_t)places->n, asleep,
-                          own))
+    if (!domain_pack_rows(d->motion, ASLEEP, NULL, places->rows, (uint32_t)places->n, asleep, own))
         return false;
     for (uint64_t i = 0; i < places->n; ++i)
         if (asleep[i] & SLEEPS)
@@ -229,7 +147,6 @@ static bool leave_sleepers(moving_domain *d, row_list *places, cl_uint *asleep, 
 // They have no rest.
 static bool wake(moving_domain *d, row_list *places, duet_error *own)
 {
-    const row_parts whole = {.words = {1}};
     if (places->n == 0)
         return true;
     cl_uint *rests = malloc(places->n * sizeof *rests);
@@ -237,7 +154,7 @@ static bool wake(moving_domain *d, row_list *places, duet_error *own)
         error_set(own, DUET_STATUS_NO_MEMORY, "bodies that wake: no memory");
     else if (leave_sleepers(d, places, rests, own)) {
         memset(rests, 0, places->n * sizeof *rests);
-        domain_unpack_rows(d->motion, RESTS, &whole, places->rows, (uint32_t)places->n, rests, own);
+        domain_unpack_rows(d->motion, RESTS, NULL, places->rows, (uint32_t)places->n, rests, own);
         domain_await_rows(d->motion, own);
     }
     free(rests);

@@ -4,70 +4,9 @@
 
 #include "base/error.h"
 
-// ---------------------------------------------------------------- bodies
-
 // Ghosts are chosen by far boxes, which bodies stay in for about so many steps, so that pairs are
 // searched more often than bodies are exchanged.
 enum { STEPS_WITHIN = 8 };
-
-// States and far boxes of bodies, and a row for one of them.
-typedef struct reading {
-    char *states;
-    float *far_boxes;
-    moving_traveller *row;
-} reading;
-
-static bool begin_reading(const moving *m, size_t n, reading *r, duet_error *own)
-{
-    r->states = malloc(n * (m->traveller_bytes - sizeof(moving_traveller)) + 1);
-    r->far_boxes = calloc(6 * n + 1, sizeof *r->far_boxes);
-    r->row = calloc(1, m->traveller_bytes);
-    return (r->states && r->far_boxes && r->row) ||
-           error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
-}
-
-static bool read_rows(const moving *m, moving_domain *d, const row_list *places, reading *r,
-                      duet_error *own)
-{
-    const row_parts whole = {.words = {6}};
-    const uint32_t n = (uint32_t)places->n;
-    return begin_reading(m, n, r, own) &&
-           domain_read_states(d->motion, places->rows, n, r->states, own) &&
-           (!moving_touches(m) ||
-            domain_pack_rows(d->motion, FAR_BOXES, &whole, places->rows, n, r->far_boxes, own));
-}
-
-static void fill_row(const moving *m, moving_domain *d, uint32_t place, const char *state,
-                     const float far_box[6], moving_traveller *row)
-{
-    moving_body *b = &d->bodies.rows[place];
-    const duet_body *given = &d->motion->bodies[place];
-    b->acts = (given->mass > 0.0f || given->sensor) && !domain_is_hidden(d->motion, state);
-    row->domain = moving_domain_of(m, state);
-    row->body = *b;
-    row->pose = d->motion->poses[place];
-    row->given = *given;
-    memcpy(row->far_box, far_box, sizeof row->far_box);
-    memcpy(moving_state(row), state, m->traveller_bytes - sizeof *row);
-}
-
-void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, item_list *to,
-                        duet_error *own)
-{
-    const size_t state = m->traveller_bytes - sizeof(moving_traveller);
-    reading r = {0};
-    if (is_well(own) && places->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "places of bodies: no memory");
-    bool ok = is_well(own) && read_rows(m, d, places, &r, own);
-    for (uint64_t i = 0; ok && i < places->n; ++i) {
-        fill_row(m, d, places->rows[i], r.states + i * state, r.far_boxes + 6 * i, r.row);
-        list_add(to, r.row, 1, m->traveller_bytes);
-    }
-    m->counts.read += ok ? places->n : 0;
-    free(r.states);
-    free(r.far_boxes);
-    free(r.row);
-}
 
 // ---------------------------------------------------------------- bodies that leave
 
@@ -219,18 +158,6 @@ static void send_contact(moving *m, moving_contact *row, const uint32_t next[2],
     }
 }
 
-void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
-                          uint32_t i, moving_contact *row)
-{
-    const size_t record = m->contact_bytes - sizeof(moving_contact);
-    *row = (moving_contact){.owner = moving_id(m, d, from->links[i].s[0]),
-                            .other = moving_id(m, d, from->links[i].s[1]),
-                            .touch = from->touches[i],
-                            .colour = from->colours[i],
-                            .told_by = TOLD_BY_NONE};
-    memcpy(row + 1, (const char *)from->records + i * record, record);
-}
-
 static void add_contact(moving *m, const moving_domain *d, const domain_contacts *from, uint32_t i,
                         bool is_told, item_list *contacts)
 {
@@ -360,23 +287,4 @@ bool moving_settle(moving *m, duet_error *own)
     free(contacts.items);
     moving_enter(m, before);
     return ok;
-}
-
-uint32_t moving_get_every(const moving *m)
-{
-    return m->every;
-}
-
-const every_trial *moving_get_trial(const moving *m)
-{
-    return &m->trial;
-}
-
-// Ghosts lie deeper for more colours, and contacts of two of them are as at home after an exchange.
-bool moving_set_every(moving *m, uint32_t every, duet_error *own)
-{
-    bool is_new = m->every != every;
-    m->every = every;
-    m->trial = (every_trial){.is_fixed = true};
-    return !is_new || m->n_domains == 1 || moving_settle(m, own);
 }

@@ -5,8 +5,6 @@
 
 #include "base/error.h"
 
-#include <math.h>
-
 // ---------------------------------------------------------------- stages
 
 typedef bool domain_stage(duet_motion *m, duet_error *err);
@@ -192,102 +190,6 @@ static void forget_contacts(moving *m)
     }
 }
 
-bool moving_stays(const moving *m, const moving_domain *d, const extent *old, const extent *now)
-{
-    if (extent_within(now, old))
-        return true;
-    bool stays = extent_within(now, &m->reaches[d->number]);
-    for (uint64_t i = 0; stays && i < d->neighbours.n; ++i) {
-        const extent *reach = &m->reaches[d->neighbours.rows[i]];
-        stays = !extents_meet(now, reach) || extents_meet(old, reach);
-    }
-    return stays;
-}
-
-static extent extent_of_bounds(const moving *m, const float bounds[6])
-{
-    extent e = extent_of_box(bounds);
-    if (m->def.dims == 2)
-        e.lower[2] = e.upper[2] = 0.0;
-    return e;
-}
-
-// The far boxes of bodies that the device listed, to be freed.
-static float *read_far_boxes(const moving_domain *d, const domain_near *near, uint32_t n,
-                             duet_error *own)
-{
-    const row_parts whole = {.words = {6}};
-    uint32_t *places = malloc((n + 1) * sizeof *places);
-    float *boxes = malloc((6 * (size_t)n + 1) * sizeof *boxes);
-    if (!places || !boxes)
-        error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of %u bodies: no memory", n);
-    for (uint32_t i = 0; places && i < n; ++i)
-        places[i] = near[i].place;
-    if (is_well(own))
-        domain_pack_rows(d->motion, FAR_BOXES, &whole, places, n, boxes, own);
-    free(places);
-    return boxes;
-}
-
-static bool all_stay(const moving *m, const moving_domain *d, const domain_near *near, uint32_t n,
-                     duet_error *own)
-{
-    float *boxes = read_far_boxes(d, near, n, own);
-    bool stay = is_well(own);
-    for (uint32_t i = 0; stay && i < n; ++i) {
-        const extent old = extent_of_bounds(m, boxes + 6 * (size_t)i),
-                     now = extent_of_bounds(m, near[i].bounds);
-        stay = moving_stays(m, d, &old, &now);
-    }
-    free(boxes);
-    return stay;
-}
-
-void moving_round_extent(const moving *m, const extent *e, bool inward, float to[6])
-{
-    for (int k = 0; k < 3; ++k) {
-        const double lower = e->lower[k], upper = e->upper[k];
-        to[k] = (float)lower;
-        to[k + 3] = (float)upper;
-        if (inward ? to[k] < lower : to[k] > lower)
-            to[k] = nextafterf(to[k], inward ? INFINITY : -INFINITY);
-        if (inward ? to[k + 3] > upper : to[k + 3] < upper)
-            to[k + 3] = nextafterf(to[k + 3], inward ? -INFINITY : INFINITY);
-    }
-    if (m->def.dims == 2) {
-        to[2] = -INFINITY;
-        to[5] = INFINITY;
-    }
-}
-
-// The device looks for bodies that may have left, which are near borders.
-static bool list_near(const moving *m, const moving_domain *d, domain_near **near, uint32_t *n,
-                      duet_error *own)
-{
-    const uint32_t n_extents = (uint32_t)d->neighbours.n + 1;
-    float(*extents)[6] = malloc(n_extents * sizeof *extents);
-    if (!extents)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
-    moving_round_extent(m, &m->reaches[d->number], true, extents[0]);
-    for (uint32_t i = 1; i < n_extents; ++i)
-        moving_round_extent(m, &m->reaches[d->neighbours.rows[i - 1]], false, extents[i]);
-    bool ok = domain_list_near(d->motion, extents[0], n_extents, near, n, own);
-    free(extents);
-    return ok;
-}
-
-// Whether pairs that the next step searches are all among the domain's bodies.
-static bool has_all_pairs(const moving *m, const moving_domain *d, duet_error *own)
-{
-    domain_near *near = NULL;
-    uint32_t n = 0;
-    if (domain_is_bounded(d->motion))
-        return true;
-    bool stay = list_near(m, d, &near, &n, own) && all_stay(m, d, near, n, own);
-    free(near);
-    return stay;
-}
-
 // Once one domain has to search its pairs, all do: a step lasts as long as its slowest rank, and
 // domains that search by turns have one in nearly each step. Sets whether a domain lacks some of
 // its pairs.
@@ -296,7 +198,7 @@ static bool search_together(moving *m, bool *lacks, duet_error *own)
     tally t = {.sums = {0}};
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         domain_forget_bounds(m->domains[k].motion);
-        t.sums[0] += !has_all_pairs(m, &m->domains[k], own);
+        t.sums[0] += !moving_has_all_pairs(m, &m->domains[k], own);
     }
     bool ok = ranks_agree_and(m->ranks, is_well(own), &t, own);
     *lacks = t.sums[0] > 0;
@@ -394,11 +296,4 @@ bool moving_hash(moving *m, uint64_t *hash, duet_error *own)
     bool ok = ranks_agree_and(m->ranks, is_well(own), &t, own);
     *hash = t.sums[0];
     return ok;
-}
-
-uint32_t moving_domain_of(const moving *m, const char *state)
-{
-    double at[3];
-    domain_centre(m->domains[0].motion, state, at);
-    return bisection_part(&m->cuts, at);
 }

@@ -111,11 +111,6 @@ void parcels_end_pass(ranks *r, int n, MPI_Request *requests)
     RANKS_WAITING(r, MPI_Waitall(n, requests, MPI_STATUSES_IGNORE));
 }
 
-void parcels_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
-{
-    parcels_end_pass(r, parcels_begin_pass(r, out, in, requests), requests);
-}
-
 // A rank that cannot send, or not receive, says so in its counts.
 static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err)
 {
@@ -141,7 +136,7 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
     ok = exchange_counts(r, ok, out, in, err) &&
          ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
     if (ok)
-        parcels_pass(r, out, in, requests);
+        parcels_end_pass(r, parcels_begin_pass(r, out, in, requests), requests);
     else
         parcels_end(in);
     free(requests);

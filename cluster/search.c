@@ -49,13 +49,13 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 
 // ---------------------------------------------------------------- inner and boundary
 
-// Whether devices with memory of their own can search the domain while the host exchanges ghosts,
+// Whether devices that leave the host to others can search the domain while ghosts are exchanged,
 // and few objects lie at the boundary. With one thread nothing is gained.
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;
     return o->n_domains == 1 && c->ranks.n > 1 && c->threads.n > 1 && c->step != STEP_COLD &&
-           o->holder && cluster_spares_host(c) && o->boundary.n < o->rows.n / 4;
+           o->holder && o->boundary.n < o->rows.n / 4;
 }
 
 // Opens the second worker. Without it there is one search, of objects and ghosts.

@@ -88,19 +88,19 @@ bool cluster_open_owned(duet_cluster *c, const char *call, duet_error *own)
 // becomes the sums that a result has, and how many ranks are asked to stop.
 static bool search(duet_cluster *c, tally *t, duet_error *own)
 {
+    const uint64_t n = owned_count(&c->owned);
     if (c->step == STEP_COLD)
-        ranks_await_turn(&c->ranks, owned_count(&c->owned) > 0);
+        ranks_await_turn(&c->ranks, n > 0);
     bool ok = cluster_search_all(c, own);
     if (c->step == STEP_COLD)
         ranks_end_turn(&c->ranks);
-    if (c->ranks.traffic &&
-        !ghost_traffic_take(c->ranks.traffic, &c->ghosts, &c->ranks, owned_count(&c->owned), own))
+    if (c->ranks.traffic && !ghost_traffic_take(c->ranks.traffic, &c->ghosts, &c->ranks, n, own))
         return false;
     c->step = STEP_ENDED;
-    if (ok && c->owned.n_domains == 1 && owned_count(&c->owned) > 0)
+    if (ok && c->owned.n_domains == 1 && n > 0)
         owned_forget_renamed(&c->owned);
-    *t = (tally){.sums = {c->ranks.stands_for * owned_count(&c->owned), c->own.n, c->own.hash,
-                          !budget_check_stop(NULL)}};
+    *t =
+        (tally){.sums = {c->ranks.stands_for * n, c->own.n, c->own.hash, !budget_check_stop(NULL)}};
     return ranks_agree_and(&c->ranks, ok, t, own);
 }
 
@@ -153,8 +153,9 @@ bool duet_cluster_step(duet_cluster *c, duet_cluster_result *result, duet_error 
     c->ranks.wait_ns = c->ranks.sent_bytes = 0;
     if (was_cold)
         begin_cold(c);
-    parallel_stay_awake(&c->threads, cluster_spares_host(c));
-    if (!begin_settled(c, __func__, true, &own) || !search(c, &t, &own)) {
+    const bool spares_host = cluster_spares_host(c);
+    parallel_stay_awake(&c->threads, spares_host);
+    if (!begin_settled(c, __func__, spares_host, &own) || !search(c, &t, &own)) {
         cluster_cancel_search(c);
         c->state = STATE_CHANGED;
         return error_copy(err, &own);

@@ -72,7 +72,7 @@ bool store_validate_path(const char *path, store_access access, duet_error *err)
 
 // -------------------------------------------------------------------- versions
 
-const char *const migrate_upgrades[] = {NULL};
+static const char *const known_upgrades[] = {NULL};
 
 static bool set_version(store *s, int64_t version, duet_error *err)
 {
@@ -265,7 +265,7 @@ bool store_validate(store *s, duet_error *err)
                    : error_set(err, DUET_STATUS_NOT_FOUND,
                                "%s: there is nothing in it yet; duet tune fills it", s->path);
     case IS_OLDER:
-        return s->writable ? migrate_upgrade(s, migrate_upgrades, err)
+        return s->writable ? migrate_upgrade(s, known_upgrades, err)
                            : error_set(err, DUET_STATUS_STORE_FAILED,
                                        "%s: is of the older version %" PRId64
                                        "; duet tune upgrades it and keeps a copy",

@@ -177,6 +177,5 @@ const char *store_journal(unsigned long file_system);
 #define STORE_APPLICATION 0x44554554 // "DUET"
 
 bool migrate_upgrade(store *s, const char *const *upgrades, duet_error *err);
-extern const char *const migrate_upgrades[];
 
 #endif

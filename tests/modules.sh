@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# What makes a folder a module: a wrong include does not compile, each module links with
-# those below it alone, so that none calls upward, and no two of its files need each other.
+# What makes a folder a module: a wrong include does not compile, and each module links with
+# those below it alone, so that none calls upward.
 #
 #   modules.sh COMPILER MODULES LIBRARY ...
 #
@@ -41,18 +41,6 @@ must_not_know scene runtime/dynamics/motion.h
 must_not_know base runtime/duet.h
 must_not_know tuner cli/say.h
 
-# Pairs of files: one that needs a name of the other, which tsort puts in an order.
-needs() { # OBJECT ...
-  nm -A "$@" | awk '{
-    file = $0; sub(/:.*/, "", file); sub(/.*\//, "", file)
-    if ($(NF - 1) ~ /^[TDBRC]$/) maker[$NF] = file
-    if ($(NF - 1) == "U") { n += 1; user[n] = file; name[n] = $NF }
-  } END {
-    for (i = 1; i <= n; ++i)
-      if (name[i] in maker) print user[i], maker[name[i]]
-  }'
-}
-
 below=()
 while IFS='|' read -r name _ objects; do
   IFS=, read -ra own <<<"$objects"
@@ -62,8 +50,5 @@ while IFS='|' read -r name _ objects; do
     echo "$name needs what lies above it:"
     grep -o 'undefined reference to .*' "$work/says" | sort -u | head -20
     exit 1
-  fi
-  if ! needs "${own[@]}" | tsort >"$work/order" 2>"$work/says"; then
-    echo "files of $name need each other in a circle:" && cat "$work/says" && exit 1
   fi
 done <"$modules"

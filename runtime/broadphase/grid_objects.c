@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/broadphase/grid_objects.h"
 
+#include "base/compare.h"
 #include "runtime/narrowphase/narrow.h"
 #include "runtime/narrowphase/origin.h"
 #include "runtime/narrowphase/rounded.h"
@@ -95,20 +96,7 @@ bool grid_objects_collide(const grid_objects *objects, uint32_t a, uint32_t b)
     return narrow_decide_apart(of_a, of_b, shift, objects->dims);
 }
 
-// ---------------------------------------------------------------- needs
-
-// The needs of the objects: where they are, and how wide.
-
-// Unlike fmin and fmax these are no calls, which would take longer than the rest.
-static inline double lesser(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double greater(double a, double b)
-{
-    return a > b ? a : b;
-}
+// ---------------------------------------------------------------- needs: where objects are, how wide
 
 // The octave of an extent, 2^-150 .. 2^149, as frexp counts; points share the
 // lowest.

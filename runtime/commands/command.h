@@ -10,8 +10,9 @@
 #ifndef RUNTIME_COMMAND_H
 #define RUNTIME_COMMAND_H
 
-#include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/motion_state.h"
+#include "runtime/dynamics/motion_targets.h"
 
 typedef struct command command;
 

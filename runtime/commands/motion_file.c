@@ -60,7 +60,7 @@ static saved_head head_of(const duet_motion *m)
                     .record = m->layout.record,
                     .n_contacts = m->graph.n_contacts,
                     .has_graph = product_was_made(&m->products, PRODUCT_ROWS),
-                    .rows_stale = motion_rows_are_stale(m),
+                    .rows_stale = product_is_forgotten(&m->products, PRODUCT_PAIRS),
                     .n_targets = c ? c->n_targets : 0,
                     .pushed = c && c->n_pushed > 0,
                     .origin_edge = m->def.origin_edge,

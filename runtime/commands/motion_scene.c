@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A motion of a scene's objects.
 #include "base/error.h"
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_create.h"
 #include "runtime/scene/scene_bodies.h"
 
 static bool check_origin(const duet_motion_def *def, const duet_scene_info *info,

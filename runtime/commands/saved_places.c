@@ -4,6 +4,8 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/motion_state.h"
+#include "runtime/dynamics/motion_targets.h"
 
 #include <assert.h>
 #include <math.h>

@@ -3,6 +3,7 @@
 // state; the host gets them if A or an open hit needs them.
 #include "base/error.h"
 #include "runtime/bodies/ground_def.h"
+#include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_poses.h"
 #include "runtime/narrowphase/mesh.h"
 #include "runtime/queries/tree.h"
@@ -102,5 +103,5 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
         tree_clear(tree);
         return false;
     }
-    return tree_build(tree, motion_count_hidden(motion), on_b, err);
+    return tree_build(tree, motion->commands ? motion->commands->n_hidden : 0, on_b, err);
 }

@@ -50,11 +50,6 @@ void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n)
             a->places[a->n++] = places[i];
 }
 
-bool motion_rows_are_stale(const duet_motion *m)
-{
-    return product_is_forgotten(&m->products, PRODUCT_PAIRS);
-}
-
 static void list_once(altered_bodies *a)
 {
     uint32_t n = 0;

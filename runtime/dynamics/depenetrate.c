@@ -6,7 +6,7 @@
 // along its normal, shared by their masses, one contact after the other and to and fro (Gauss and
 // Seidel), with the separations as the moves change them. Contacts are then found again, for others
 // may touch.
-#include "runtime/dynamics/motion.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include "base/error.h"
 

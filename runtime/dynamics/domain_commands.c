@@ -4,7 +4,7 @@
 #include "base/compare.h"
 #include "base/error.h"
 #include "runtime/dynamics/domain_motion.h"
-#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_targets.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -88,11 +88,10 @@ static void read_targets(const duet_motion *m, domain_left left, const uint32_t 
 static bool read_forces(duet_motion *m, domain_left left, const uint32_t *places, uint32_t n,
                         duet_error *err)
 {
-    const row_parts whole = {.words = {FORCE_FLOATS}};
     float *forces = malloc((size_t)n * FORCE_FLOATS * sizeof(float) + 1);
     if (!forces)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the forces on %u bodies", n);
-    bool ok = domain_pack_rows(m, FORCES, &whole, places, n, forces, err);
+    bool ok = domain_pack_rows(m, FORCES, NULL, places, n, forces, err);
     for (uint32_t i = 0; ok && i < n; ++i) {
         left_row row = row_of(left, i);
         memcpy(row.force, forces + (size_t)i * FORCE_FLOATS, sizeof row.force);

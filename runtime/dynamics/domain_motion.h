@@ -58,9 +58,8 @@ bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 // Reads contacts, which the caller frees. A link of NO_PLACE is of none that is here.
 bool domain_read_contacts(duet_motion *m, bool with_records, domain_contacts *c, duet_error *err);
 
-// Reads the contacts of c->rows, all but their links, and writes them.
+// Reads the contacts of c->rows, all but their links.
 bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err);
-bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err);
 
 // Two parts of a row by object, in words: where they begin, how many are taken, and how many of
 // every four of the first part; 0: all.
@@ -68,7 +67,8 @@ typedef struct row_parts {
     uint32_t at[2], words[2], of_four;
 } row_parts;
 
-// Reads parts of the rows of n places, each place once, one behind the other; and writes them.
+// Reads parts of the rows of n places, each place once, one behind the other; and writes them. parts
+// NULL: whole rows.
 bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                       const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,

@@ -170,7 +170,8 @@ bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, con
 static some_rows rows_of(const duet_motion *m, motion_buffer which, const row_parts *parts,
                          const domain_ids *ids)
 {
-    return (some_rows){which, which == GHOSTS ? GHOST_WORDS : motion_words(m, which), *parts, *ids};
+    const uint32_t words = which == GHOSTS ? GHOST_WORDS : motion_words(m, which);
+    return (some_rows){which, words, parts ? *parts : (row_parts){.words = {words}}, *ids};
 }
 
 bool domain_pack_listed(duet_motion *m, motion_buffer which, const row_parts *parts,
@@ -236,28 +237,15 @@ bool domain_read_used(duet_motion *m, const uint32_t *places, uint32_t n, uint32
 
 // ---------------------------------------------------------------- contacts
 
-typedef bool move_some(duet_motion *m, const some_rows *s, void *packed, duet_error *err);
-
-static bool move_contacts(duet_motion *m, const domain_contacts *c, move_some *move,
-                          duet_error *err)
+bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err)
 {
     const uint32_t record = m->layout.record;
     const domain_ids ids = {c->rows, c->n, READ_IDS, 0, false};
     const some_rows touches = {TOUCHES, 1, {.words = {1}}, ids},
                     colours = {COLOUR_OF, 1, {.words = {1}}, ids},
                     records = {CONTACTS, record, {.words = {record}}, ids};
-    return move(m, &touches, c->touches, err) && move(m, &colours, c->colours, err) &&
-           move(m, &records, c->records, err);
-}
-
-bool domain_read_rows(duet_motion *m, domain_contacts *c, duet_error *err)
-{
-    return move_contacts(m, c, pack, err);
-}
-
-bool domain_write_rows(duet_motion *m, const domain_contacts *c, duet_error *err)
-{
-    return move_contacts(m, c, unpack, err) && domain_await_rows(m, err);
+    return pack(m, &touches, c->touches, err) && pack(m, &colours, c->colours, err) &&
+           pack(m, &records, c->records, err);
 }
 
 bool domain_write_colours(duet_motion *m, const domain_contacts *told, duet_error *err)

@@ -5,6 +5,7 @@
 #include "runtime/dynamics/domain_commands.h"
 #include "runtime/dynamics/domain_motion.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,12 +69,11 @@ void domain_centre(const duet_motion *m, const char *state, double at[3])
 static bool read_rows(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
                       char *at, duet_error *err)
 {
-    const row_parts whole = {.words = {motion_words(m, which)}};
     const size_t row = row_bytes(m, which), all = domain_state_bytes(m);
     char *rows = malloc(n * row + 1);
     if (!rows)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u bodies", n);
-    bool ok = domain_pack_rows(m, which, &whole, places, n, rows, err);
+    bool ok = domain_pack_rows(m, which, NULL, places, n, rows, err);
     for (uint32_t i = 0; ok && i < n; ++i)
         memcpy(at + i * all, rows + i * row, row);
     free(rows);
@@ -305,10 +305,9 @@ static void fill_fresh(duet_motion *m, motion_buffer which, const domain_bodies 
 static bool write_fresh(duet_motion *m, motion_buffer which, const domain_bodies *b, char *rows,
                         bool is_first, duet_error *err)
 {
-    const row_parts whole = {.words = {motion_words(m, which)}};
     const domain_ids ids = {b->fresh, b->n_fresh, READ_IDS, 0, !is_first};
     fill_fresh(m, which, b, rows);
-    return domain_unpack_listed(m, which, &whole, &ids, rows, err);
+    return domain_unpack_listed(m, which, NULL, &ids, rows, err);
 }
 
 static size_t lasting_bytes(const duet_motion *m)

@@ -14,6 +14,7 @@
 #include "runtime/dynamics/contact_graph.h"
 #include "runtime/dynamics/ground.h"
 #include "runtime/dynamics/motion_events.h"
+#include "runtime/dynamics/motion_kernels.h"
 #include "runtime/dynamics/motion_plan.h"
 #include "runtime/dynamics/motion_read.h"
 #include "runtime/dynamics/phase.h"
@@ -38,30 +39,6 @@ typedef enum motion_buffer {
     MOTION_BUFFERS
 } motion_buffer;
 
-typedef struct motion_kernels {
-    kernel *integrate_free_flight;
-    kernel *compute_fat_aabbs, *check_fat_aabbs;
-    kernel *contact_graph_pairs, *contact_graph_walls, *contact_graph_ground;
-    kernel *contact_graph_sort, *contact_graph_reverse;
-    kernel *make_rows, *make_returns; // do what these do; a team's
-    kernel *match_contacts;
-    kernel *build_manifolds;
-    kernel *mark_awake, *spread_awake, *count_awake, *list_awake;
-    kernel *update_sleep, *wake_touching, *push_sleepers, *move_sleepers;
-    kernel *contact_events;
-    kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
-    kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
-    kernel *colour_contacts; // does what these and the sort do; NULL: a launch has no groups that wait
-    kernel *prepare_contacts, *store_impulses;
-    kernel *solve_contacts, *apply_restitution, *solve_shocks;
-    kernel *solve_substeps; // NULL with shocks, and if more bodies are always awake than a GPU's
-                            // group takes
-    kernel *row_start;
-    kernel *write_poses; // NULL until a tree asks for it
-    // likewise, a command
-    kernel *compute_altered_aabbs, *place_altered, *find_altered_pairs, *keep_pairs;
-} motion_kernels;
-
 // A step tells its kernels these, by the names that their cards use (motion_step.c). Other
 // arguments of a launch stand in the struct of the file that launches it.
 typedef struct motion_args {
@@ -83,14 +60,6 @@ typedef struct motion_args {
     cl_int4 base; // the cell that others are counted from
     cl_uint key_end;
 } motion_args;
-
-// How long the records of kernels/dynamics/records.h are, in floats; bodies in vectors
-// of four.
-typedef struct motion_layout {
-    uint32_t head, point, points, record;
-    uint32_t body;
-    uint32_t constraint, block; // a block is so many constraints
-} motion_layout;
 
 // A step in two halves: its thread, and how long that took.
 typedef struct motion_halves {
@@ -121,9 +90,9 @@ struct duet_motion {
     const device *device;
     gen *gen;
     program_set *programs;
-    motion_kernels kernels; // motion_kernels.c
-    motion_layout layout;   // likewise
-    motion_args args;       // motion_step.c
+    motion_kernels kernels;
+    motion_layout layout;
+    motion_args args; // motion_step.c
     timeline times;
     buffer buffers[MOTION_BUFFERS];
     uint32_t flags[FLAGS]; // the values that were read last
@@ -187,35 +156,32 @@ static inline bool motion_start_flags(duet_motion *m, duet_error *err)
                                sizeof m->flags, err);
 }
 
-// The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
-duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,
-                           const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
-                           duet_error *err);
+// 32-bit words of state that an object has in a buffer; 0: not by object, or not called for.
+uint32_t motion_words(const duet_motion *m, motion_buffer which);
 
-// The same in two calls: what the objects and the def say, without a device, and then the rest.
-// After a failure of the second the motion is still to be destroyed.
-duet_motion *motion_know(const duet_motion_def *def, const duet_pose *poses,
-                         const duet_large_pose *large_poses, const duet_body *bodies, uint32_t n,
-                         duet_error *err);
-bool motion_open(duet_motion *m, duet_error *err);
+// Whether a buffer has reals by object, and these are doubles.
+bool motion_has_doubles(const duet_motion *m, motion_buffer which);
+
+// Bytes of state that an object has for an effect.
+uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect);
+
+// Makes space for all n objects, of which the first old_n have it. The state of the others becomes
+// 0; the device may still be writing that on return.
+bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
+bool motion_grow_rows(duet_motion *m, motion_buffer which, uint32_t old_n,
+                      duet_error *err); // one buffer's
+
+// Space for so many bytes in a buffer, which keeps the first of them, and waits for nothing if that
+// is none.
+bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err);
+
+// Space for n elements of `size` bytes in a buffer.
+bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
+
+// ---------------------------------------------------------------- of files above
 
 // Without writing what was mapped.
 void motion_forget_maps(duet_motion *m);
-
-// Kernels with what the scene says of their parameters, for all bodies or for those that commands
-// altered, which are built when they are first asked for. After a failure none is there.
-bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, bool altered,
-                          duet_error *err);
-extern const binding motion_bindings[];
-
-// Fills offers for the kernels, and returns how many they are: what the scene says of their
-// parameters, then what the plan does.
-enum { MOTION_OFFERS = 48 };
-uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS]);
-
-// Generates and builds what the effects need; again: for facts or a plan that have changed.
-bool motion_prepare(duet_motion *m, duet_error *err);
-bool motion_prepare_again(duet_motion *m, duet_error *err);
 
 // Sets the share of the following searches, of a motion that finds pairs.
 bool motion_set_share(duet_motion *m, uint32_t share, duet_error *err);
@@ -224,78 +190,13 @@ bool motion_set_share(duet_motion *m, uint32_t share, duet_error *err);
 // built, as kernel_spaces_read.
 bool motion_kernel_spaces(duet_motion *m, kernel_spaces *to, duet_error *err);
 
-// Puts poses and bodies into B's buffers, and 0 into what they lack.
-bool motion_reset(duet_motion *m, duet_error *err);
-
-// The rotation and the angular velocity that an object was given.
-void motion_given_state(const duet_motion *m, uint32_t id, duet_state *state);
-
-// All states, which the caller frees; NULL if a number of them is no longer finite.
-duet_state *motion_read_states(duet_motion *m, duet_error *err);
-
-// Adds each body's state to a sum, by ascending place; false if a number of them is no longer
-// finite.
-typedef void (*add_state)(const duet_motion *m, uint32_t place, const duet_state *state, void *sum);
-bool motion_sum_states(duet_motion *m, add_state add, void *sum, duet_error *err);
-
 // Sums the state, as duet_motion_get_hash of a motion that is whole.
 bool motion_hash(duet_motion *m, uint64_t *hash, duet_error *err);
 
 // Adds a body's state to a sum, which over all bodies is the state hash.
 uint64_t motion_hash_state(uint64_t sum, const duet_state *state, uint64_t id);
 
-// States of n bodies whose ids are valid, or without ids of the first n. If cells are asked for,
-// centres are offsets in these.
-bool motion_fetch_states(duet_motion *m, const uint32_t *ids, uint32_t n, duet_state *states,
-                         cl_int4 *cells, duet_error *err);
-
-// One over the inertia of an object about each of its own axes; 0: never turned about it.
-void motion_inverse_inertia(const duet_motion *m, uint32_t id, double inverse[3]);
-
-// 32-bit words of state that an object has in a buffer; 0: not by object, or
-// not called for.
-uint32_t motion_words(const duet_motion *m, motion_buffer which);
-
-// Bytes of state that an object has for an effect.
-uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect);
-
-// Puts what poses and bodies say of some objects into B's buffers; places NULL: of all n.
-enum motion_part {
-    PART_POSE = 1 << 0, // centre and rotation
-    PART_SIZE = 1 << 1,
-    PART_VELOCITY = 1 << 2,
-    PART_ANGULAR_VELOCITY = 1 << 3,
-    PART_MASS = 1 << 4,
-    PART_SURFACE = 1 << 5, // what contacts know of a body
-    PART_FILTER = 1 << 6,
-    PART_SENSOR = 1 << 7,
-    PART_ALL = (1 << 8) - 1
-};
-bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint32_t parts,
-                        duet_error *err);
-
-// Fills rows of some objects, one behind the other, with what poses and bodies say of them; what a
-// buffer has besides is left.
-void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
-                       void *packed);
-
-// Makes space for all n objects, of which the first old_n have it. The state of the others becomes
-// 0; the device may still be writing that on return.
-bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);
-bool motion_grow_rows(duet_motion *m, motion_buffer which, uint32_t old_n,
-                      duet_error *err); // one buffer's
-
-// Contacts of the manifolds that are right now, as duet_motion_get_contacts.
-bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, duet_error *err);
-
 // Takes bodies apart whose manifolds are deep; *parted: some were, and are elsewhere now.
 bool motion_part_deep(duet_motion *m, bool *parted, duet_error *err);
-
-// Space for so many bytes in a buffer, which keeps the first of them, and waits for nothing if that
-// is none.
-bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err);
-
-// Space for n elements of `size` bytes in a buffer.
-bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err);
 
 #endif

@@ -61,6 +61,10 @@ static inline bool motion_has_place(const duet_motion *m, uint32_t place)
     return !m->commands || m->commands->states[place] >= PLACE_DISABLED;
 }
 
+// BAD_ARGUMENT unless the motion has places [first, first + n).
+bool motion_has_range(const duet_motion *m, uint32_t first, uint32_t n, const char *call,
+                      duet_error *err);
+
 // BAD_ARGUMENT if the motion lacks an effect that a call needs; if any are missing that `who`
 // needs.
 bool motion_needs(const duet_motion *m, uint32_t effect, const char *call, duet_error *err);
@@ -68,25 +72,5 @@ bool motion_lacks(uint32_t missing, const char *call, const char *who, duet_erro
 
 // Turns a centre into an offset in its origin cell; false beyond 2^30 cells.
 bool motion_place_pose(const duet_motion *m, duet_pose *pose, cl_int4 *cell);
-
-// A pose with a target's centre and rotation; their z counts only in 3D.
-duet_pose motion_aim(const duet_motion *m, duet_pose pose, const duet_transform *target);
-
-// Bodies that were changed are awake, and those that they touch will be.
-bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
-// The same, or asleep, of bodies that are where they were, or altered: the others' bounds hold as
-// they did.
-bool motion_set_asleep(duet_motion *m, const uint32_t *places, uint32_t n, bool asleep,
-                       duet_error *err);
-bool motion_wake_all(duet_motion *m, duet_error *err);
-
-// Forgets the targets of some places, whose bodies then stand still.
-bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
-
-// Puts bodies exactly at their targets after a step.
-bool motion_arrive(duet_motion *m, duet_error *err);
-
-// Ends the other commands after a step: removed bodies are forgotten, and forces are over.
-bool motion_end_commands(duet_motion *m, duet_error *err);
 
 #endif

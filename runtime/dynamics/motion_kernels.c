@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-// Which kernels a motion runs, and with which parameters.
 #include "runtime/dynamics/motion.h"
 
 #include "runtime/bodies/ground_def.h"

@@ -4,8 +4,9 @@
 
 #include "base/error.h"
 #include "runtime/duet_opencl.h"
-#include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
+#include "runtime/dynamics/motion_state.h"
+#include "runtime/dynamics/motion_targets.h"
 #include "runtime/opencl/callers_buffer.h"
 
 #include <math.h>
@@ -59,15 +60,6 @@ void motion_forget_maps(duet_motion *m)
 
 // ---------------------------------------------------------------- begin
 
-static bool check_range(const duet_motion *m, uint32_t first, uint32_t n, const char *call,
-                        duet_error *err)
-{
-    return (first <= m->n && n <= m->n - first) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: places %u to %llu; the motion has %u places", call, first,
-                     (unsigned long long)first + n, m->n);
-}
-
 static bool begin_maps(duet_motion *m, duet_error *err)
 {
     if (!m->maps)
@@ -115,7 +107,7 @@ void *duet_motion_map_states(duet_motion *m, duet_state_part part, duet_map_acce
                              uint32_t first, uint32_t n, duet_error *err)
 {
     PUBLIC_CALL(err);
-    if (!can_map(m, part, access, __func__, err) || !check_range(m, first, n, __func__, err) ||
+    if (!can_map(m, part, access, __func__, err) || !motion_has_range(m, first, n, __func__, err) ||
         !begin_maps(m, err) || !timeline_finish(&m->times, err))
         return NULL;
     if (access == DUET_MAP_WRITE && !forget_targets(m, first, n, err))

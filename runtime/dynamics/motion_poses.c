@@ -93,13 +93,6 @@ bool motion_has_radii(const duet_motion *m)
     return m->facts & FACT_ROUND;
 }
 
-uint32_t motion_count_hidden(const duet_motion *m)
-{
-    return m->commands ? m->commands->n_hidden : 0;
-}
-
-// ---------------------------------------------------------------- on B
-
 bool motion_has_poses(const duet_motion *m, bool radii)
 {
     return motion_words(m, HALVES) > 0 && !m->cells &&

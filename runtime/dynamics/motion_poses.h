@@ -21,6 +21,4 @@ bool motion_copy_poses(duet_motion *m, bool radii, void *rows, duet_error *err);
 // The same for a motion in origin cells: each pose with its cell.
 bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error *err);
 
-uint32_t motion_count_hidden(const duet_motion *m);
-
 #endif

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,21 +58,21 @@ static bool begin(duet_motion *m, const reading *r, duet_error *err)
                                           r->n * sizeof *r->ids, err)));
 }
 
-static bool gather(duet_motion *m, motion_buffer which, uint32_t n, duet_error *err)
+static bool gather(duet_motion *m, motion_buffer which, uint32_t words, uint32_t n, duet_error *err)
 {
     m->reading.rows = m->buffers[which];
-    m->reading.row_words = motion_words(m, which);
+    m->reading.row_words = words;
     m->reading.n_ids = n;
     return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
 }
 
-// The rows of a buffer; NULL after a failure.
-static const uint32_t *fetch(duet_motion *m, const reading *r, motion_buffer which, duet_error *err)
+// The rows of a buffer, of so many words each; NULL after a failure.
+static const uint32_t *fetch(duet_motion *m, const reading *r, motion_buffer which, uint32_t words,
+                             duet_error *err)
 {
-    const size_t row = motion_words(m, which) * sizeof(uint32_t);
-    const size_t at = r->first * row, bytes = r->n * row;
+    const size_t row = words * sizeof(uint32_t), at = r->first * row, bytes = r->n * row;
     buffer *b = &m->buffers[r->ids ? GATHERED : which];
-    if (r->ids && !gather(m, which, r->n, err))
+    if (r->ids && !gather(m, which, words, r->n, err))
         return NULL;
     if (b->host)
         return timeline_read(&m->times, "fetch", b, b->host, at + bytes, err)
@@ -92,22 +93,24 @@ static void read_numbers(const uint32_t *row, bool doubles, size_t n, double *nu
         memcpy(numbers, row, n * sizeof *numbers);
 }
 
+// A motion that lacks a part has no words of it.
 static bool fetch_part(duet_motion *m, const reading *r, size_t p, duet_state *states,
                        duet_error *err)
 {
-    const size_t words = motion_words(m, parts[p].which), n = parts[p].numbers, at = parts[p].at;
-    const bool doubles = m->def.doubles;
-    const uint32_t *rows = fetch(m, r, parts[p].which, err);
+    const uint32_t words = motion_words(m, parts[p].which);
+    const size_t n = parts[p].numbers, at = parts[p].at;
+    const uint32_t *rows = words > 0 ? fetch(m, r, parts[p].which, words, err) : NULL;
     for (uint32_t i = 0; rows && i < r->n; ++i)
-        read_numbers(rows + i * words, doubles, n, (double *)((char *)&states[i] + at));
-    return rows;
+        read_numbers(rows + (size_t)i * words, m->def.doubles, n,
+                     (double *)((char *)&states[i] + at));
+    return rows || words == 0;
 }
 
 // Centres were read as offsets in their cells: these are for the caller, or are added.
 static bool fetch_cells(duet_motion *m, const reading *r, duet_state *states, cl_int4 *cells,
                         duet_error *err)
 {
-    const uint32_t *rows = fetch(m, r, CELLS, err);
+    const uint32_t *rows = fetch(m, r, CELLS, 4, err);
     if (rows && cells)
         memcpy(cells, rows, r->n * sizeof *cells);
     for (uint32_t i = 0; rows && !cells && i < r->n; ++i)
@@ -144,7 +147,7 @@ static bool fetch_states(duet_motion *m, reading *r, duet_state *states, cl_int4
         motion_given_state(m, place_of(r, i), &states[i]);
     bool ok = begin(m, r, err);
     for (size_t p = 0; ok && p < PARTS; ++p)
-        ok = motion_words(m, parts[p].which) == 0 || fetch_part(m, r, p, states, err);
+        ok = fetch_part(m, r, p, states, err);
     ok = ok && (!m->cells || fetch_cells(m, r, states, cells, err)) &&
          timeline_finish(&m->times, err);
     free(r->space);

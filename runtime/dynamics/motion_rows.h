@@ -18,11 +18,13 @@ typedef struct motion_rows {
     cl_command_queue mapped_by; // the queue that mapped the buffer's memory; NULL: none did
 } motion_rows;
 
-// Rows [first, last) of a buffer by object; those from the least of n places to the greatest; or
-// the n of another buffer, of so many words each. Afterwards they are closed, or dropped if
-// nothing was changed.
+// Rows [first, last) of a buffer by object; the first n, all of which are written; those from the
+// least of n places to the greatest; or the n of another buffer, of so many words each. Afterwards
+// they are closed, or dropped if nothing was changed.
 bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
                       motion_rows *rows, duet_error *err);
+bool motion_rows_fresh(duet_motion *m, motion_buffer which, uint32_t n, motion_rows *rows,
+                       duet_error *err);
 bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
                     motion_rows *rows, duet_error *err);
 bool motion_rows_of_words(duet_motion *m, motion_buffer which, uint32_t n, uint32_t words,

@@ -1,237 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The state of a motion on B: what each buffer holds by object, and what the host writes there.
+#include "runtime/dynamics/motion_state.h"
+
 #include "kernels/dynamics/materials.h"
 #include "runtime/bodies/material.h"
 #include "runtime/dynamics/inertia.h"
 #include "runtime/dynamics/motion_commands.h"
 #include "runtime/dynamics/motion_rows.h"
 
-#include "base/error.h"
-#include "runtime/duet_motion_map.h"
-
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-// By object, what each buffer holds: the effect that it is there for, another that calls for it,
-// reals and 32-bit words.
-static const struct {
-    uint32_t effect;
-    uint32_t also;
-    uint32_t reals;
-    uint32_t words;
-} by_object[MOTION_BUFFERS] = {
-#define BY_OBJECT(which, name, type, effect, also, reals, words) \
-    [which] = {DUET_EFFECT_##effect, DUET_EFFECT_##also, reals, words},
-#define BUFFER(which, name, type)
-#define HIDDEN(which)
-#include "runtime/dynamics/motion_buffers.inl"
-};
-
-const char *duet_state_part_name(duet_state_part part)
-{
-    static const char *const names[] = {
-        [DUET_STATE_CENTRES] = "centres",
-        [DUET_STATE_ROTATIONS] = "rotations",
-        [DUET_STATE_VELOCITIES] = "velocities",
-        [DUET_STATE_ANGULAR_VELOCITIES] = "angular_velocities",
-    };
-    const int n = sizeof names / sizeof names[0];
-    return (int)part >= 0 && (int)part < n ? names[part] : NULL;
-}
-
-static bool has_rows(const duet_motion *m, motion_buffer which)
-{
-    const uint32_t effect = by_object[which].effect, also = by_object[which].also;
-    if (which == CELLS)
-        return m->cells;
-    if (which == FAR_BOXES && !m->border.make_far_boxes)
-        return false;
-    return also == DUET_EFFECT_ALL || (m->effects & (effect | also));
-}
-
-uint32_t motion_words(const duet_motion *m, motion_buffer which)
-{
-    if (!has_rows(m, which))
-        return 0;
-    return by_object[which].reals * (m->def.doubles ? 2 : 1) +
-           by_object[which].words * (which == BODIES ? m->layout.body : 1);
-}
-
-uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect)
-{
-    uint32_t words = 0;
-    for (int which = 0; which < MOTION_BUFFERS; ++which)
-        if (by_object[which].effect == effect)
-            words += motion_words(m, (motion_buffer)which);
-    return words * (uint32_t)sizeof(uint32_t);
-}
-
-// ---------------------------------------------------------------- buffers
-
-// A buffer that must grow gets more than it needs now: fresh pages cost as much time as
-// writing them.
-static size_t with_room(const duet_motion *m, uint64_t bytes)
-{
-    uint64_t roomy = bytes + bytes / 4;
-    return (size_t)(roomy <= m->device->info.max_buffer_bytes ? roomy : bytes);
-}
-
-bool motion_reserve(duet_motion *m, motion_buffer which, uint64_t n, size_t size, duet_error *err)
-{
-    buffer *b = &m->buffers[which];
-    bool grows = b->mem && b->bytes < n * size;
-    return buffer_reserve(b, m->device, grows ? with_room(m, n * size) : (size_t)(n * size), err);
-}
-
-static bool copy(duet_motion *m, const buffer *from, const buffer *to, size_t bytes,
-                 duet_error *err)
-{
-    cl_command_queue queue = m->device->queue;
-    cl_int code = clEnqueueCopyBuffer(queue, from->mem, to->mem, 0, 0, bytes, 0, NULL, NULL);
-    if (code == CL_SUCCESS)
-        code = clFinish(queue);
-    return code == CL_SUCCESS ||
-           error_set_cl(err, code, "%s: copying %zu bytes", m->device->info.selector, bytes);
-}
-
-bool motion_extend(duet_motion *m, motion_buffer which, size_t kept, size_t bytes, duet_error *err)
-{
-    buffer *b = &m->buffers[which], fresh = {0};
-    if (b->bytes >= bytes)
-        return true;
-    bool ok = buffer_reserve(&fresh, m->device, kept > 0 ? with_room(m, bytes) : bytes, err) &&
-              (kept == 0 || copy(m, b, &fresh, kept, err));
-    if (ok)
-        buffer_swap(b, &fresh);
-    buffer_release(&fresh);
-    return ok;
-}
-
-// New rows are 0.
-static bool grow(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
-{
-    size_t words = motion_words(m, which), row = words * sizeof(uint32_t);
-    size_t bytes = ((size_t)m->n + FIXED) * row;
-    return motion_extend(m, which, old_n * row, bytes, err) &&
-           timeline_fill(&m->times, "clear", &m->buffers[which], 0, old_n * words,
-                         bytes / sizeof(uint32_t), err);
-}
-
-bool motion_grow_rows(duet_motion *m, motion_buffer which, uint32_t old_n, duet_error *err)
-{
-    return motion_words(m, which) == 0 || grow(m, which, old_n, err);
-}
-
-bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
-{
-    bool ok = true;
-    for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
-        ok = motion_grow_rows(m, (motion_buffer)which, old_n, err);
-    return ok;
-}
-
-// ---------------------------------------------------------------- rows
-
-// Rows of host memory, once all that was launched is done: mapped, or as they lie.
-static bool map_rows(duet_motion *m, motion_rows *rows, size_t at, duet_error *err)
-{
-    const device *d = m->device;
-    const buffer *const seen[] = {rows->of};
-    cl_int code = CL_SUCCESS;
-    if (d->quirks & DRIVER_IN_PLACE) {
-        rows->bytes = (char *)rows->of->host + at;
-        return m->times.sent == SENT_SEEN || timeline_see(&m->times, "send", seen, 1, err);
-    }
-    ++m->times.n_waits;
-    ++m->times.all_waits;
-    rows->bytes = clEnqueueMapBuffer(d->queue, rows->of->mem, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE,
-                                     at, rows->size, 0, NULL, NULL, &code);
-    if (!rows->bytes)
-        return error_set_cl(err, code, "%s: mapping %zu bytes", d->info.selector, rows->size);
-    rows->mapped_by = d->queue;
-    return true;
-}
-
-// Fresh rows are not fetched: all are written before they are sent.
-static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, bool fresh, duet_error *err)
-{
-    rows->bytes = malloc(rows->size + 1);
-    if (!rows->bytes)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", rows->size);
-    bool ok =
-        fresh || timeline_read_at(&m->times, "fetch", rows->of, at, rows->bytes, rows->size, err);
-    if (!ok)
-        motion_rows_drop(rows);
-    return ok;
-}
-
-static bool are_of_host(const motion_rows *rows)
-{
-    return rows->of && rows->of->host && rows->size > 0;
-}
-
-static bool open_rows(duet_motion *m, motion_rows *rows, bool fresh, duet_error *err)
-{
-    size_t at = rows->first * rows->row;
-    return are_of_host(rows) ? map_rows(m, rows, at, err) : fetch_rows(m, rows, at, fresh, err);
-}
-
-static motion_rows rows_of(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last)
-{
-    size_t row = motion_words(m, which) * sizeof(uint32_t);
-    return (motion_rows){.of = &m->buffers[which],
-                         .first = first,
-                         .row = row,
-                         .size = (last - first) * row,
-                         .doubles = by_object[which].reals > 0 && m->def.doubles};
-}
-
-bool motion_rows_open(duet_motion *m, motion_buffer which, uint32_t first, uint32_t last,
-                      motion_rows *rows, duet_error *err)
-{
-    *rows = rows_of(m, which, first, last);
-    return open_rows(m, rows, false, err);
-}
-
-bool motion_rows_at(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
-                    motion_rows *rows, duet_error *err)
-{
-    uint32_t first = UINT32_MAX, last = 0;
-    for (uint32_t i = 0; i < n; ++i) {
-        first = places[i] < first ? places[i] : first;
-        last = places[i] >= last ? places[i] + 1 : last;
-    }
-    return motion_rows_open(m, which, first, last, rows, err);
-}
-
-bool motion_rows_of_words(duet_motion *m, motion_buffer which, uint32_t n, uint32_t words,
-                          motion_rows *rows, duet_error *err)
-{
-    size_t row = words * sizeof(uint32_t);
-    *rows = (motion_rows){.of = &m->buffers[which], .row = row, .size = n * row};
-    return open_rows(m, rows, false, err);
-}
-
-// Mapped memory is the device's again before the queue's next command.
-bool motion_rows_close(duet_motion *m, motion_rows *rows, duet_error *err)
-{
-    size_t at = rows->first * rows->row;
-    bool ok = are_of_host(rows) ||
-              (timeline_write_at(&m->times, "send", rows->of, at, rows->bytes, rows->size, err) &&
-               timeline_finish(&m->times, err));
-    motion_rows_drop(rows);
-    return ok;
-}
-
-void motion_rows_drop(motion_rows *rows)
-{
-    if (rows->mapped_by)
-        clEnqueueUnmapMemObject(rows->mapped_by, rows->of->mem, rows->bytes, 0, NULL, NULL);
-    else if (!are_of_host(rows))
-        free(rows->bytes);
-    *rows = (motion_rows){0};
-}
 
 // ---------------------------------------------------------------- objects
 
@@ -397,9 +174,9 @@ static uint32_t numbers_of(const motion_rows *rows)
 static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what, duet_error *err)
 {
     motion_buffer which = sent[what].which;
-    motion_rows rows = rows_of(m, which, 0, n);
+    motion_rows rows;
     if (!(places ? motion_rows_at(m, which, places, n, &rows, err)
-                 : open_rows(m, &rows, true, err)))
+                 : motion_rows_fresh(m, which, n, &rows, err)))
         return false;
     uint32_t to = places ? sent[what].to : numbers_of(&rows);
     for (uint32_t i = 0; i < n; ++i) {
@@ -412,8 +189,9 @@ static bool send(duet_motion *m, const uint32_t *places, uint32_t n, size_t what
 void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
                        void *packed)
 {
-    motion_rows rows = rows_of(m, which, 0, n);
-    rows.bytes = packed;
+    const motion_rows rows = {.row = motion_words(m, which) * sizeof(uint32_t),
+                              .doubles = motion_has_doubles(m, which),
+                              .bytes = packed};
     for (size_t what = 0; what < sizeof sent / sizeof sent[0]; ++what)
         if (sent[what].which == which && sent[what].from == 0)
             for (uint32_t i = 0; i < n; ++i)

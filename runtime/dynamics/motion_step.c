@@ -4,7 +4,7 @@
 // In two halves a thread of the motion's own takes the step while the caller works. Only the second
 // half changes what a caller may ask meanwhile.
 #include "runtime/dynamics/domain_motion.h"
-#include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_targets.h"
 #include "runtime/dynamics/recorded_steps.h"
 
 #include "base/budget.h"

@@ -2,6 +2,7 @@
 // Sums over a motion's state: its hash, and its energy and momentum.
 #include "runtime/bodies/vector.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include "base/error.h"
 #include "base/exact_sum.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a moving box meets a piece of a ground, in rational numbers: as ground_piece.c, without
+// Whether a moving box meets a piece of a ground, in rational numbers: as ground_meet.c, without
 // an error.
 #include "runtime/narrowphase/ground_piece.h"
 

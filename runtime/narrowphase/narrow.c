@@ -10,6 +10,7 @@
 // parallel edges").
 #include "runtime/narrowphase/narrow.h"
 
+#include "base/compare.h"
 #include "runtime/narrowphase/vector.h"
 
 #include <math.h>
@@ -33,17 +34,6 @@ static box box_of_pose(const duet_pose *pose)
     return b;
 }
 
-// fmax and fmin are calls, for the sake of NaN, which does not come here.
-static double larger(double x, double y)
-{
-    return x > y ? x : y;
-}
-
-static double smaller(double x, double y)
-{
-    return x < y ? x : y;
-}
-
 // The separations of the axes tried so far.
 typedef struct separations {
     double slack;    // bounds the error of each separation
@@ -54,17 +44,17 @@ typedef struct separations {
 
 static void add_face(separations *g, double separation)
 {
-    g->greatest = larger(g->greatest, separation);
-    g->needed = larger(g->needed, separation);
+    g->greatest = greater(g->greatest, separation);
+    g->needed = greater(g->needed, separation);
 }
 
 static void add_edges(separations *g, double separation, double tilt)
 {
-    g->greatest = larger(g->greatest, separation);
+    g->greatest = greater(g->greatest, separation);
     if (tilt >= PARALLEL)
-        g->needed = larger(g->needed, separation);
+        g->needed = greater(g->needed, separation);
     else if (separation >= -g->slack)
-        g->tilt = larger(g->tilt, tilt);
+        g->tilt = greater(g->tilt, tilt);
 }
 
 // Two boxes as the axes see them: everything in a's and b's own directions.
@@ -121,14 +111,14 @@ static void add_cross_axes(separations *g, const view *v)
 
 static double largest(const double v[3])
 {
-    return larger(v[0], larger(v[1], v[2]));
+    return greater(v[0], greater(v[1], v[2]));
 }
 
 static narrow_answer answer_of(const separations *g, const view *v)
 {
     if (g->greatest > g->slack)
         return NARROW_SEPARATED;
-    double lost = smaller(largest(v->a), largest(v->b)) * g->tilt;
+    double lost = lesser(largest(v->a), largest(v->b)) * g->tilt;
     return g->needed + lost < -g->slack ? NARROW_COLLIDING : NARROW_UNDECIDED;
 }
 
@@ -296,7 +286,7 @@ double narrow_widest_separation(const duet_pose *pose_a, const duet_pose *pose_b
         for (int j = 0; j < 3; ++j) {
             double sine = hypot(v.c[next[i]][j], v.c[last[i]][j]);
             if (sine > LEAST_SINE)
-                g.greatest = larger(g.greatest, edge_separation(&v, i, j) / sine);
+                g.greatest = greater(g.greatest, edge_separation(&v, i, j) / sine);
         }
     return g.greatest;
 }

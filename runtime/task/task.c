@@ -192,8 +192,3 @@ bool task_check_bytes(const task *t, const task_arg *arg, const task_values *fou
     }
     return true;
 }
-
-bool task_check(const task *t, const task_arg *arg, const task_values *found, duet_error *err)
-{
-    return task_check_bytes(t, arg, found, 0, found->size, err);
-}

@@ -131,11 +131,8 @@ bool task_kernel_hash(const task *t, const duet_device_pair *pair, char hash[65]
 // Whether a launch changes the array.
 bool task_arg_is_written(const task_arg *arg);
 
-// Compares the array with what is expected. WRONG_RESULT names the first item that is wrong, both
-// values and the bound.
-bool task_check(const task *t, const task_arg *arg, const task_values *found, duet_error *err);
-
-// The same of its bytes [from, to).
+// Compares bytes [from, to) of the array with what is expected. WRONG_RESULT names the first item
+// that is wrong, both values and the bound.
 bool task_check_bytes(const task *t, const task_arg *arg, const task_values *found, size_t from,
                       size_t to, duet_error *err);
 

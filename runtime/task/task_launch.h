@@ -29,7 +29,7 @@ task_launcher *task_launcher_open(task *t, duet_device_pair *pair, duet_error *e
 void task_launcher_close(task_launcher *l); // NULL does nothing
 
 // Launches the kernel on both devices by the plan's share and variants. Arrays have what the file
-// says before each launch; what that takes does not count. WRONG_RESULT as task_check.
+// says before each launch; what that takes does not count. WRONG_RESULT as task_check_bytes.
 bool task_launch(task_launcher *l, const duet_plan *plan, task_result *result, duet_error *err);
 
 // From now on a launch does only that part, of DUET_SHARE_ONE, of each device's items, the first

@@ -610,6 +610,9 @@ TEST(a_forecast_takes_the_times_of_a_profile)
         forecast(&k.folder, k.uid, "--ranks 2 --stands-for 1000 paper -n 4000 --set world=320");
     assert_true(json_number(two, "efficiency") < 1);
     assert_true(json_number(many, "objects") == 4e6);
+    assert_true(
+        json_number(forecast(&k.folder, k.uid, "--ranks 1 --stands-for 1000000 paper -n 5000"),
+                    "objects") == 5e9);
     assert_true(json_number(many, "total_ms") > 2000 * k.step_ms);
     double bytes = 0; // at 1 GB/s
     for (int i = 0; i < 2; ++i)

@@ -334,9 +334,10 @@ TEST(the_first_wrong_number_of_many_is_found)
         char says[32];
         snprintf(says, sizeof says, "item %u: y[%u] is ", wrong, wrong);
         if (wrong < N)
-            must_fail(task_check(&t, &arg, &found, ERR), DUET_STATUS_WRONG_RESULT, says);
+            must_fail(task_check_bytes(&t, &arg, &found, 0, found.size, ERR),
+                      DUET_STATUS_WRONG_RESULT, says);
         else
-            must(task_check(&t, &arg, &found, ERR));
+            must(task_check_bytes(&t, &arg, &found, 0, found.size, ERR));
         task_values_free(&arg.expected);
     }
 }
