@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "all of a step's solving: by a team of a CPU's groups, a GPU's that meet, or of few bodies and contacts by one",
-  uses = { "dynamics/inlined.clh", "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/materials.h",
+  uses = { "lanes.clh", "dynamics/vector.clh", "dynamics/records.h", "dynamics/materials.h",
     "dynamics/contact.clh", "dynamics/constraint.clh", "dynamics/float_vector.clh", "dynamics/turn.clh",
     "dynamics/listed.clh", "dynamics/accelerate.clh", "dynamics/move_bodies.clh", "dynamics/team.clh",
     "dynamics/colour_parts.clh", "dynamics/meet.clh", "dynamics/sweep_parts.clh", "dynamics/prepare_constraint.clh",
