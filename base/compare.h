@@ -30,7 +30,7 @@ static inline int compare_double(const void *left, const void *right)
     return (p > q) - (p < q);
 }
 
-// Unlike fmin and fmax these are no calls, for the sake of NaN, which does not come here.
+// fmin and fmax are calls, because they treat NaN. These two are none: neither number may be NaN.
 static inline double lesser(double a, double b)
 {
     return a < b ? a : b;

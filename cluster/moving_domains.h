@@ -227,12 +227,13 @@ static inline bool moving_sends_all(const moving *m)
 
 // ---------------------------------------------------------------- of its files, from the lowest up
 
-// moving_places.c: the place of a body in a domain, UINT32_MAX: it is not there; the same of a
-// contact's end, which may be a wall or the ground, and of the body that carries the mesh, which
-// may not be here yet. Index them after bodies were replaced, or added.
+// moving_places.c: the place of a body in a domain; UINT32_MAX: it is not there.
 uint32_t moving_place(const moving_domain *d, uint32_t id);
+// The same of a contact's end, which may be a wall or the ground.
 uint32_t moving_end_place(const moving *m, const moving_domain *d, uint32_t id);
+// The same of the body that carries the mesh, which may not be here yet.
 uint32_t moving_carrier_place(const moving *m, const moving_domain *d);
+// Makes the index that these three look into, after bodies were replaced or added.
 void moving_index_places(const moving *m, moving_domain *d, duet_error *own);
 
 // Tells of the places of a domain's motion as its bodies are now.
@@ -277,9 +278,9 @@ void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, ite
 void moving_write_contact(const moving *m, const moving_domain *d, const domain_contacts *from,
                           uint32_t i, moving_contact *row);
 
-// Orders contacts by their ends, each once; false without memory. Adds one, of two places, to those
-// that a motion is to get, which have space for it.
+// Orders contacts by their ends, each once; false without memory.
 bool moving_order_contacts(const moving *m, item_list *contacts);
+// Adds a contact between two places to those that a motion is to get, which have space for it.
 void moving_put_contact(const moving *m, const moving_contact *c, uint32_t owner, uint32_t other,
                         domain_contacts *to);
 

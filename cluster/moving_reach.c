@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How far each domain reaches: bodies of others that meet that are its ghosts, until one of its own
-// leaves it, or another's comes.
+// How far each domain reaches. Its ghosts are the bodies of others whose bounds meet its reach.
+// They are chosen anew once one of its own bodies leaves the reach, or a body of another domain
+// comes.
 #include "cluster/moving_domains.h"
 
 #include "base/error.h"

@@ -49,8 +49,8 @@ static bool count(duet_cluster *c, int i, duet_error *err)
 
 // ---------------------------------------------------------------- inner and boundary
 
-// Whether devices that leave the host to others can search the domain while ghosts are exchanged,
-// and few objects lie at the boundary. With one thread nothing is gained.
+// Whether the domain can be searched while ghosts are exchanged: few objects lie at the boundary.
+// With one thread nothing is gained.
 static bool can_overlap(const duet_cluster *c)
 {
     const owned *o = &c->owned;

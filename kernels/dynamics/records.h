@@ -124,8 +124,9 @@
 #define COLOURS 34
 #define COLOUR_LEFT 64u // a bit beside one: another domain solves it alone (closure.cl)
 
-// Of each colour up to COLOUR_OVERFLOW four words: its first contact in the list by colour, how many, and the slot of
-// the first in blocks. Behind them: the end of the colours that have any, and of blocks.
+// Of each colour up to COLOUR_OVERFLOW four words: its first contact in the list by colour, how many, the slot of the
+// first in blocks, and in a domain how many are its border's. One more entry: x, the end of the colours that have
+// contacts; y, how many blocks there are.
 #define COLOUR_SPANS (COLOUR_OVERFLOW + 2)
 #define COLOUR_KEYS 4 // keys of a colour that contacts are sorted by
 
@@ -170,7 +171,7 @@
 // A step may be sent whole, before the host knows how it goes (motion_step.c): `hopes` are bits of what it takes for
 // granted. If something does not hold, kernels that come later do nothing, and the host goes on from there. A kernel
 // that names the macros takes `hopes` and `flags` as arguments.
-#define HOPES_FITS 1u       // all colours have space
+#define HOPES_FITS 1u       // all colours have space, and took no more rounds than are counted
 #define HOPES_LISTS 2u      // nothing wakes or falls asleep
 #define HOPES_COLOURS 4u    // no contact has another colour than before
 #define HOPES_UNPRESSED 8u  // nothing is to be pushed out of others

@@ -91,15 +91,16 @@ static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint
     return ok;
 }
 
+static size_t block_bytes(const duet_motion *m)
+{
+    return (size_t)m->layout.block * m->layout.constraint * sizeof(float);
+}
+
 // Makes space for the blocks of colours that have been laid out.
 static bool use_colours(duet_motion *m, duet_error *err)
 {
-    const size_t bytes = (size_t)m->layout.block * m->layout.constraint * sizeof(float);
     product_renew(&m->products, PRODUCT_COLOURS);
-    if (!motion_reserve(m, BLOCKS, m->solver.n_blocks, bytes, err))
-        return false;
-    m->solver.block_capacity = (cl_uint)(m->buffers[BLOCKS].bytes / bytes);
-    return true;
+    return motion_reserve(m, BLOCKS, m->solver.n_blocks, block_bytes(m), err);
 }
 
 static bool send_colours(duet_motion *m, duet_error *err)
@@ -168,6 +169,7 @@ static bool launch_colouring(duet_motion *m, duet_error *err)
 {
     const kernel *k = m->kernels.colour_contacts;
     m->solver.sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
+    m->solver.block_capacity = (cl_uint)(m->buffers[BLOCKS].bytes / block_bytes(m));
     return reserve_lists(m, err) &&
            motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
            team_launch(m, "graph_colour", k, m->awake.n_contacts,

@@ -67,8 +67,8 @@ typedef struct row_parts {
     uint32_t at[2], words[2], of_four;
 } row_parts;
 
-// Reads parts of the rows of n places, each place once, one behind the other; and writes them. parts
-// NULL: whole rows.
+// Reads parts of the rows of n places, each place once, one behind the other; and writes them.
+// parts NULL: whole rows.
 bool domain_pack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,
                       const uint32_t *places, uint32_t n, void *packed, duet_error *err);
 bool domain_unpack_rows(duet_motion *m, motion_buffer which, const row_parts *parts,

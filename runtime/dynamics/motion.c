@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What each buffer of a motion holds by object, and space for it.
+// What a motion is asked for between steps, what each of its buffers holds by object, and space for
+// it.
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The state that commands leave behind: its owner, and ids.
+// The state that commands leave behind: its owner, ids, effects that commands call for, and given
+// poses.
 #include "runtime/dynamics/motion_commands.h"
 #include "base/error.h"
 #include "base/text.h"

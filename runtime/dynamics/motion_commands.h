@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The state that commands leave behind: which places have a body, and what the next step is to do.
+// The state that commands leave behind: which places have a body, and its targets (motion_targets.h
+// says what a step does with them).
 //
 // A place is an object's row in all buffers. A body that was removed, or is disabled, keeps its
 // place: without mass and with bounds that no search takes (hidden).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A motion is created, at once or in two calls.
+// A motion is created, at once or in two calls, alone or as a domain of others, and destroyed.
 #ifndef RUNTIME_MOTION_CREATE_H
 #define RUNTIME_MOTION_CREATE_H
 

@@ -23,7 +23,7 @@ typedef struct motion_plan {
     duet_plan search;       // the plan of the pair search, without the settings
     char own[DUET_VARIANT]; // "solve_contacts.WG=64 bodies.PER_ITEM=1": what the plan says of B
     variant settings;       // the same as numbers; its search is not read
-    uint32_t skin; // "motion.skin=20": in percent of the bodies' mean least extent; 0: the def's
+    uint32_t skin;    // "motion.skin=20": in percent of the bodies' mean least extent; 0: the def's
     uint32_t colours; // "motion.colours=4": over ranks, ghosts come after so many colours; 0: each
 } motion_plan;
 

@@ -238,16 +238,16 @@ static bool hold_up_to(const duet_motion *m, product_name which)
            (product_is_right(&m->products, which) && hold_up_to(m, which - 1));
 }
 
-// What a step is sent with that follows one with these flags; 0: it is not sent whole. Colours that
-// more than one launch makes have to stay.
+// The hopes of a step, from the flags of the one before; 0: it is not sent whole. Colours that more
+// than one launch makes have to stay; manifolds that a step begins with are not made again.
 static cl_uint hopes_of(const duet_motion *m, const uint32_t flags[FLAGS])
 {
     const bool lays = motion_colours_at_once(m);
     const bool stays = product_was_made(&m->products, PRODUCT_COLOURS) &&
                        !product_is_forgotten(&m->products, PRODUCT_COLOURS) &&
                        !flags[FLAG_RECOLOURED];
-    if (m->graph.n_contacts == 0 || m->solver.block_capacity == 0 || !motion_solves_at_once(m) ||
-        !(lays || stays))
+    if (m->graph.n_contacts == 0 || m->buffers[BLOCKS].bytes == 0 || !motion_solves_at_once(m) ||
+        !(lays || stays) || product_is_right(&m->products, PRODUCT_MANIFOLDS))
         return 0;
     return HOPES_FITS | (lays ? 0 : HOPES_COLOURS) | (flags[FLAG_FELL_ASLEEP] ? 0 : HOPES_LISTS) |
            (flags[FLAG_PRESSED] ? 0 : HOPES_UNPRESSED);
@@ -311,7 +311,9 @@ static bool respond(duet_motion *m, duet_error *err)
     const bool alike = hold_up_to(m, PRODUCT_AWAKE);
     if (!ensure(m, PRODUCT_AWAKE, err))
         return false;
-    const cl_uint hopes = hopes_of(m, flags);
+    cl_uint hopes = hopes_of(m, flags);
+    if (!alike)
+        hopes &= ~HOPES_LISTS; // lists that are new are waited for, since nothing has counted them
     const bool holds =
         alike && (hopes & HOPES_LISTS) && (hopes & HOPES_UNPRESSED) && !flags[FLAG_RECOLOURED];
     bool ok = (!holds || timeline_hold(&m->times, err)) &&
@@ -397,8 +399,10 @@ static bool complete_step(duet_motion *m, bool carried, double ms, duet_motion_r
 {
     uint64_t begun = clock_steady_ns();
     bool made = carried && (!m->commands || (motion_end_commands(m, err) && motion_arrive(m, err)));
-    if (!made)
+    if (!made) {
         timeline_clear(&m->times);
+        m->team.stage = 0; // who failed may have left stages that were not counted
+    }
     motion_leave_step(m, made);
     if (!made)
         return false;

@@ -151,27 +151,34 @@ static bool push_sleepers(duet_motion *m, duet_error *err)
 
 // ---------------------------------------------------------------- all passes at once
 
-// Bodies that a work-item may have, as it takes them one after the other; contacts of a colour, or
-// as many bodies as take as long, that a group has at least; passes of a substep; contacts of a
-// colour that a work-item of groups that meet takes one after the other at most.
-enum { BODIES_OF_ONE = 2, GROUP_LEAST = 64, PASSES = 2, CONTACTS_OF_ONE = 2 };
+// Bodies that take as long as a contact of a colour, and fewer if groups meet; contacts of a
+// colour, or bodies that take as long, that a group has at least; passes of a substep; contacts of
+// a colour that a work-item takes one after the other at most if groups meet.
+enum {
+    BODIES_OF_ONE = 4,
+    BODIES_OF_MEETING = 2,
+    GROUP_LEAST = 64,
+    PASSES = 2,
+    CONTACTS_OF_ONE = 2
+};
 
 // Contacts of a colour, or bodies that take as long as those.
-static uint32_t most_work(const duet_motion *m)
+static uint32_t most_work(const duet_motion *m, const kernel *k)
 {
+    const uint32_t each = kernel_param(k, "MEET") == 1 ? BODIES_OF_MEETING : BODIES_OF_ONE;
     const uint32_t contacts = most_of(&m->solver, 0, COLOUR_OVERFLOW);
-    const uint32_t bodies = (m->awake.n_bodies + BODIES_OF_ONE - 1) / BODIES_OF_ONE;
+    const uint32_t bodies = (m->awake.n_bodies + each - 1) / each;
     return contacts > bodies ? contacts : bodies;
 }
 
-// Whether a launch of passes has space for every colour: groups that meet, as many as run at once,
-// or else one, which takes no contacts in order.
+// Whether a launch of passes has space for every colour. Groups that meet are as many as run at
+// once. If they do not meet there is one, which takes no contacts in order.
 static bool have_space(const duet_motion *m, const kernel *k)
 {
     const uint64_t takes = (uint64_t)k->group * k->per_item;
     if (kernel_param(k, "MEET") == 1)
-        return most_work(m) <= CONTACTS_OF_ONE * takes * team_most_groups(m, k);
-    return most_work(m) <= takes && m->awake.n_bodies <= SOLVER_FEW &&
+        return most_work(m, k) <= CONTACTS_OF_ONE * takes * team_most_groups(m, k);
+    return most_work(m, k) <= takes && m->awake.n_bodies <= SOLVER_FEW &&
            m->solver.colours[COLOUR_OVERFLOW].count == 0;
 }
 
@@ -196,14 +203,15 @@ static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32
     s->to_colour = m->graph.n_contacts > 0 ? COLOUR_OVERFLOW + 1 : 0;
     if (!team_takes(k) && !kernel_param(k, "MEET"))
         return motion_launch(m, "solve_contacts", k, 1, err);
-    return team_launch(m, "solve_contacts", k, most_work(m), k->group > 1 ? k->group : GROUP_LEAST,
-                       (to - from) * (1 + s->to_colour), err);
+    return team_launch(m, "solve_contacts", k, most_work(m, k),
+                       k->group > 1 ? k->group : GROUP_LEAST, (to - from) * (1 + s->to_colour),
+                       err);
 }
 
 // A team of several may lose members up to the end of a launch, which is then not that of the step.
 static uint32_t passes_at_once(const duet_motion *m, const kernel *k, uint32_t passes)
 {
-    return team_takes(k) && most_work(m) > GROUP_LEAST ? PASSES : passes;
+    return team_takes(k) && most_work(m, k) > GROUP_LEAST ? PASSES : passes;
 }
 
 // Shocks have given back all speed.

@@ -18,8 +18,9 @@ enum { SOLVER_FEW = 1024 };
 enum { SHOCK_SWEEPS = 16 };
 
 // Contacts of one colour: where in the list, and where in blocks. A uint4 on devices. In a domain
-// the first ones, in whole blocks, are its border's (domain_take_colours). Behind all colours
-// stands where those end that have any contact, and how many blocks there are.
+// the first ones, in whole blocks, are its border's (domain_take_colours). One more entry stands
+// behind those of all colours: first, the end of the colours that have contacts; count, of all
+// blocks.
 typedef struct colour_span {
     cl_uint first;
     cl_uint count;
@@ -39,7 +40,7 @@ typedef struct contact_solver {
     cl_uint woken, soft, round;
     cl_uint sweep, first_sweep; // of shocks, counted on from substep to substep
     cl_uint sorts;              // 1: contacts are listed by colour even if none changed its colour
-    cl_uint block_capacity;     // of BLOCKS
+    cl_uint block_capacity;     // blocks that BLOCKS has space for
     cl_uint from_colour, to_colour, each;
     cl_uint from_pass, to_pass; // of solve_substeps
     cl_int4 span;               // from_colour's

@@ -19,13 +19,15 @@ static bool reserve_stages(duet_motion *m, uint32_t n_stages, duet_error *err)
            motion_clear(m, "clear", TEAM, 0, TEAM_WORDS, err);
 }
 
-// Work-items for which a unit of a GPU surely has registers: each takes 255 of 65 536 at most.
+// Work-items for which a unit of a GPU surely has registers: each takes 255 of 65 536 at most. In a
+// caller's context another motion may have groups on it that meet, too, and takes the other half.
 enum { RESIDENT = 256 };
 
 uint32_t team_most_groups(const duet_motion *m, const kernel *k)
 {
     const uint32_t units = m->device->info.units;
-    const uint32_t each = k->group > 1 && k->group < RESIDENT ? RESIDENT / k->group : 1;
+    const uint32_t resident = m->device->callers ? RESIDENT / 2 : RESIDENT;
+    const uint32_t each = k->group > 1 && k->group < resident ? resident / k->group : 1;
     return units * each < TEAM_MOST ? units * each : TEAM_MOST;
 }
 

@@ -456,6 +456,81 @@ TEST(a_broken_motion_is_loaded_while_parts_are_mapped)
     assert_true(n_broken > 0);
 }
 
+// One cube lies on a floor, and then all others land in the same step, which makes buffers for
+// their contacts.
+static duet_motion *open_landing(void)
+{
+    enum { SIDE = 20, CUBES = SIDE * SIDE, ALL = CUBES + 2 };
+    static duet_pose poses[ALL];
+    static duet_body bodies[ALL];
+    duet_motion_def def = duet_default_motion_def();
+    def.pair = pair;
+    def.wants = DUET_EFFECT_CONTACT_RESPONSE;
+    def.gravity[2] = -10;
+    for (int i = 0; i < ALL; ++i) {
+        poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation[3] = 1};
+        bodies[i] = duet_default_body();
+        poses[i].centre[0] = 1.5f * (float)(i % SIDE);
+        poses[i].centre[1] = 1.5f * (float)(i / SIDE);
+        poses[i].centre[2] = 0.56f;
+    }
+    poses[CUBES].centre[2] = 0.5f;
+    poses[ALL - 1] =
+        (duet_pose){.centre = {0, 0, -1}, .half_extents = {90, 90, 1}, .rotation[3] = 1};
+    bodies[ALL - 1].mass = 0;
+    return must(duet_motion_create(&def, poses, bodies, ALL, ERR));
+}
+
+// Steps until they land, of which the last one finds their contacts.
+static int count_falling(void)
+{
+    duet_motion *m = open_landing();
+    duet_motion_result result = {0};
+    int steps = 0;
+    for (; result.contacts < 100; ++steps)
+        must(duet_motion_advance(m, &result, ERR));
+    duet_motion_destroy(m);
+    return steps;
+}
+
+// Space for contacts that was not to be had is known to be gone: the motion that is loaded then
+// makes it again.
+TEST(a_motion_that_found_no_memory_for_contacts_is_loaded_and_goes_on)
+{
+    uint32_t n_without = 0;
+    uint64_t right, hash;
+    set_memory(false);
+    const int before = count_falling() - 1;
+    duet_motion *m = open_landing();
+    must(advance(m, 1, ERR));
+    must(duet_motion_save(m, saved, ERR));
+    must(advance(m, before - 1, ERR));
+    lost_begin(LOST_ONCE, UINT32_MAX);
+    must(advance(m, 1, ERR));
+    const uint32_t n_calls = lost_end();
+    must(advance(m, STEPS - 1, ERR));
+    must(duet_motion_get_hash(m, &right, ERR));
+    duet_motion_destroy(m);
+    for (uint32_t k = 0; k < n_calls; ++k) {
+        duet_error why = {0};
+        m = open_landing();
+        must(advance(m, before, ERR));
+        lost_begin(LOST_ONCE, k);
+        const bool ok = told(advance(m, 1, &why), &why);
+        lost_end();
+        if (!ok && strcmp(lost_call(), "clCreateBuffer") == 0) {
+            ++n_without;
+            must(duet_motion_load(m, saved, ERR));
+            must(advance(m, before - 1 + STEPS, ERR));
+            must(duet_motion_get_hash(m, &hash, ERR));
+            if (hash != right)
+                fail_msg("call %u: the loaded motion goes another way", k);
+        }
+        duet_motion_destroy(m);
+    }
+    assert_true(n_without > 0);
+}
+
 // ------------------------------------------------------------ what runs
 
 static int open_devices(void **state)
