@@ -37,7 +37,7 @@ static inline void lay_blocks(const colouring *c)
         used = count > 0 ? colour + 1 : used;
     }
     c->spans[COLOUR_SPANS - 1] = (uint4)(used, blocks, 0, 0);
-    if (blocks > c->block_capacity || (TEAM && c->flags[FLAG_ROUNDS] > TEAM_ROUNDS))
+    if (blocks > c->block_capacity || c->flags[FLAG_ROUNDS] > TEAM_ROUNDS)
         atomic_or(c->flags + FLAG_FULL, 1u);
 }
 
