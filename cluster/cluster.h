@@ -117,8 +117,8 @@ bool cluster_show_domain(duet_cluster *c, duet_error *err);
 
 // The order of a search (search.c): chooses one of owned objects that are where they belong, and
 // begins to search the inner ones if that may overlap with the exchange of ghosts, as it may on
-// devices that leave the host to others; fills the other
-// sets with ghosts; searches all and counts this rank's pairs.
+// devices that leave the host to others; fills the other sets with ghosts; searches all and counts
+// this rank's pairs.
 void cluster_choose_search(duet_cluster *c, bool may_overlap);
 bool cluster_fill_sets(duet_cluster *c, duet_error *err);
 bool cluster_search_all(duet_cluster *c, duet_error *own);

@@ -8,7 +8,7 @@
 #define ALTERED_PAIRS 0 // found or kept
 #define ALTERED_ENTRIES 1
 #define ALTERED_WIDE 2 // bodies of too many cells
-#define ALTERED_AROUND 3 // the box around those in the table: keys of its upper corner, and of the lower one times -1
+#define ALTERED_AROUND 3 // the box around those in the table: words (sortable.clh) of its upper corner, and of the lower one times -1
 #define ALTERED_COUNTS 9
 
 #endif

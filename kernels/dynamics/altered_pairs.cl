@@ -36,35 +36,18 @@ static inline bool do_overlap(const aabb *a, const aabb *b)
 
 // ------------------------------------------------------------ the box around the table's bodies
 
-// A key above 0 for each number, in the order of numbers.
-static inline uint key_of(float x)
-{
-    uint bits = as_uint(x);
-    return bits >> 31 ? ~bits : bits | 1u << 31;
-}
-
-static inline float of_key(uint key)
-{
-    return as_float(key >> 31 ? key ^ 1u << 31 : ~key);
-}
-
 static inline void put_around(volatile __global uint *counts, const aabb *box)
 {
-    volatile __global uint *keys = counts + ALTERED_AROUND;
-    atomic_max(keys, key_of(box->upper.x));
-    atomic_max(keys + 1, key_of(box->upper.y));
-    atomic_max(keys + 2, key_of(box->upper.z));
-    atomic_max(keys + 3, key_of(-box->lower.x));
-    atomic_max(keys + 4, key_of(-box->lower.y));
-    atomic_max(keys + 5, key_of(-box->lower.z));
+    raise_words(counts + ALTERED_AROUND, box->upper);
+    raise_words(counts + ALTERED_AROUND + 3, -box->lower);
 }
 
-// If the table is empty keys are 0, which stand for no numbers: nothing overlaps that box.
+// If the table is empty words are 0, which stand for no numbers: nothing overlaps that box.
 static inline aabb around_table(volatile __global const uint *counts)
 {
-    volatile __global const uint *keys = counts + ALTERED_AROUND;
-    return (aabb){-(float3)(of_key(keys[3]), of_key(keys[4]), of_key(keys[5])),
-                  (float3)(of_key(keys[0]), of_key(keys[1]), of_key(keys[2]))};
+    volatile __global const uint *words = counts + ALTERED_AROUND;
+    return (aabb){-(float3)(number_of(words[3]), number_of(words[4]), number_of(words[5])),
+                  (float3)(number_of(words[0]), number_of(words[1]), number_of(words[2]))};
 }
 
 // ------------------------------------------------------------ cells

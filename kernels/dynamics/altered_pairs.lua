@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "pairs of the bodies that commands altered, and those of all others as they were",
-  uses = { "dynamics/altered.h" },
+  uses = { "primitives/sortable.clh", "dynamics/altered.h" },
   params = {
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,

@@ -59,28 +59,6 @@ __kernel void list_meeting(LIST_MEETING_ARGS)
     }
 }
 
-// A word that is above 0, and greater for a greater number.
-static inline uint sortable_word(float number)
-{
-    uint word = as_uint(number);
-    return word >> 31 ? ~word : word | 0x80000000u;
-}
-
-// Most bodies do not raise it.
-static inline void raise_word(__global volatile uint *to, float number)
-{
-    uint word = sortable_word(number);
-    if (word > *to)
-        atomic_max(to, word);
-}
-
-static inline void raise_words(__global volatile uint *to, float3 numbers)
-{
-    raise_word(to, numbers.x);
-    raise_word(to + 1, numbers.y);
-    raise_word(to + 2, numbers.z);
-}
-
 __kernel void make_far_boxes(MAKE_FAR_BOXES_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n);

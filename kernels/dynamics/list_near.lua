@@ -11,7 +11,7 @@ local told = [[
 
 return {
   about = "bodies of a domain that are near its borders, or leave it",
-  uses = { "dynamics/border.h", "dynamics/place_kind.clh" },
+  uses = { "primitives/sortable.clh", "dynamics/border.h", "dynamics/place_kind.clh" },
   params = { common.DIMS, common.DOUBLE, common.GROUP(64), common.ROWS_AN_ITEM },
   valid = common.can_double,
   args = {

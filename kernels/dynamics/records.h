@@ -124,7 +124,7 @@
 #define COLOURS 34
 #define COLOUR_LEFT 64u // a bit beside one: another domain solves it alone (closure.cl)
 
-// Of each colour up to COLOUR_OVERFLOW four words: its first contact in the list by colour, how many, the slot of the
+// Four words for each colour up to COLOUR_OVERFLOW: its first contact in the list by colour, how many, the slot of the
 // first in blocks, and in a domain how many are its border's. One more entry: x, the end of the colours that have
 // contacts; y, how many blocks there are.
 #define COLOUR_SPANS (COLOUR_OVERFLOW + 2)
@@ -176,10 +176,10 @@
 #define HOPES_COLOURS 4u    // no contact has another colour than before
 #define HOPES_UNPRESSED 8u  // nothing is to be pushed out of others
 #define WAITS_FOR_LISTS ((hopes & HOPES_LISTS) && flags[FLAG_FELL_ASLEEP])
-#define WAITS_FOR_HOST                                                                       \
-    (hopes && (((hopes & HOPES_FITS) && flags[FLAG_FULL]) || WAITS_FOR_LISTS ||              \
-               ((hopes & HOPES_COLOURS) && flags[FLAG_RECOLOURED]) ||                        \
-               ((hopes & HOPES_UNPRESSED) && flags[FLAG_PRESSED])))
+#define WAITS_FOR_HOST                                                               \
+    (((hopes & HOPES_FITS) && flags[FLAG_FULL]) || WAITS_FOR_LISTS ||                \
+     ((hopes & HOPES_COLOURS) && flags[FLAG_RECOLOURED]) ||                          \
+     ((hopes & HOPES_UNPRESSED) && flags[FLAG_PRESSED]))
 
 // Steps that bounds last at least for a body that keeps its velocity, where there is a skin.
 #define LEAST_HORIZON 3

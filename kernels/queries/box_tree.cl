@@ -14,16 +14,11 @@
 #define CLASSES 16
 #define BITS (DIMS == 3 ? 9 : 14) // that a cell's number has along an axis
 
-// Words that are in the order of the numbers; above 0.
+// As sortable_word, of each lane.
 static inline word rising(real x)
 {
     word bits = as_word(x);
     return bits ^ (((word)(0) - (bits >> 31)) | 0x80000000u);
-}
-
-static inline float number_of(uint rising)
-{
-    return as_float(rising >> 31 ? rising ^ 0x80000000u : ~rising);
 }
 
 // Keys are made with these; without any object of the sample cells are NaN or 0, and all is in the first.

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "a tree over boxes, for queries",
-  uses = { "lanes.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
+  uses = { "lanes.clh", "primitives/sortable.clh", "narrowphase/object.clh", "queries/tree.h", "queries/rounded_row.h", "queries/far_row.h", "queries/limits.clh",
     "queries/refused.clh", "queries/far.clh" },
   params = {
     common.DIMS, common.TREE_SHAPE, common.TREE_ORIGIN, common.ALL_ROTATED,

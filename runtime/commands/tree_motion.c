@@ -103,5 +103,5 @@ bool duet_tree_set_motion(duet_tree *tree, duet_motion *motion, duet_error *err)
         tree_clear(tree);
         return false;
     }
-    return tree_build(tree, motion->commands ? motion->commands->n_hidden : 0, on_b, err);
+    return tree_build(tree, motion_count_hidden(motion), on_b, err);
 }

@@ -101,7 +101,7 @@ static bool search_all(duet_motion *m, duet_error *err)
 {
     duet_result *found = &m->graph.searched;
     const buffer *pairs;
-    uint32_t hidden = m->commands ? m->commands->n_hidden : 0; // these are left out
+    uint32_t hidden = motion_count_hidden(m); // these are left out
     m->graph.world->def.keep_bad = hidden > 0;
     bool ok = world_step_resident(m->graph.world, &m->buffers[BOXES], m->n, m->times.untimed, found,
                                   &pairs, err) &&

@@ -78,7 +78,7 @@ bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_n
 
 // ---------------------------------------------------------------- far boxes
 
-// The number of a word as the kernel orders them; 0 is below all.
+// The number of a word (kernels/primitives/sortable.clh); 0 is below all.
 static float number_of(uint32_t word)
 {
     float number;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a motion is asked for between steps, what each of its buffers holds by object, and space for
-// it.
+// A motion answers between steps, says what each of its buffers holds by object, and makes space
+// for that.
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"

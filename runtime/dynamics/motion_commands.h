@@ -42,6 +42,12 @@ bool motion_begin_commands(duet_motion *m, duet_error *err);
 void motion_forget_commands(motion_commands *commands);
 void motion_forget_recording(duet_motion *m);
 
+// Returns how many places are hidden.
+static inline uint32_t motion_count_hidden(const duet_motion *m)
+{
+    return m->commands ? m->commands->n_hidden : 0;
+}
+
 static inline bool motion_is_hidden(const duet_motion *m, uint32_t place)
 {
     return m->commands && m->commands->states[place] != PLACE_ENABLED;

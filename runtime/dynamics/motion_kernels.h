@@ -19,8 +19,7 @@ typedef struct motion_kernels {
     kernel *contact_events;
     kernel *prepare_bodies, *integrate_velocities, *integrate_positions, *finalize_bodies;
     kernel *graph_colour_mark, *graph_colour_choose, *graph_colour_take, *graph_colour_key;
-    kernel
-        *colour_contacts; // does what these and the sort do; NULL: a launch has no groups that wait
+    kernel *colour_contacts; // does what these and the sort do; NULL: no groups of a launch wait
     kernel *prepare_contacts, *store_impulses;
     kernel *solve_contacts, *apply_restitution, *solve_shocks;
     kernel *solve_substeps; // NULL with shocks, and if more bodies are always awake than a GPU's

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a caller reads of a motion: contacts and states. B gathers rows of some bodies for that, and
+// Contacts and states of a motion, for callers to read. B gathers rows of some bodies for that, and
 // what was told of those that changed is kept.
 #ifndef RUNTIME_MOTION_READ_H
 #define RUNTIME_MOTION_READ_H

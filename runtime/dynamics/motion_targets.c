@@ -51,7 +51,8 @@ bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, d
     return ok;
 }
 
-// What set a target saw that its pose is within the origin cells: a command, or a file's reader.
+// The pose is within the origin cells: the command, or the reader of a file, that set the target
+// saw that.
 static void put_at(duet_motion *m, const motion_target *t)
 {
     cl_int4 cell = {{0}};

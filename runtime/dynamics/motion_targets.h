@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What commands leave to a step: targets that bodies reach in it, and what ends with it.
+// Targets that commands leave to a step, which bodies reach in it, and commands that end with it.
 #ifndef RUNTIME_MOTION_TARGETS_H
 #define RUNTIME_MOTION_TARGETS_H
 

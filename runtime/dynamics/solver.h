@@ -70,7 +70,7 @@ bool motion_solves_at_once(const duet_motion *m);
 // Whether something elastic passes impacts on; the speeds that contacts return then need no more.
 bool motion_has_shocks(const duet_motion *m);
 
-// What the substeps leave goes to the objects. presses: some may sleep deep in others, and are
+// Brings to the objects what the substeps leave. presses: some may sleep deep in others, and are
 // pushed out of them.
 bool motion_finalize(duet_motion *m, bool presses, duet_error *err);
 

@@ -27,7 +27,7 @@ static two_stores open_two(void)
     return two;
 }
 
-// What an export of the store writes, which the test keeps.
+// Returns what an export of the store writes, which the test keeps.
 static char *written_by(bool (*export)(store *, FILE *, const char *, duet_error *), store *s)
 {
     char *chars = NULL;

@@ -54,7 +54,7 @@ duet_pose random_cube(rng *r, double from, double to);
 void turn_at_random(duet_pose *pose, rng *r);
 duet_bounds bounds_of_upright(const duet_pose *pose);
 
-// What is found of objects in a way, which lasts until the test ends.
+// Returns what is found of objects in a way, which lasts until the test ends.
 reference_found found_by(const reference_objects *objects, reference_way way);
 
 // The hash of the pairs of objects, found in a way. n: how many they are.

@@ -142,7 +142,7 @@ int test_count_files(void);
 
 void test_assert_says(const char *chars, const char *const *list, const char *file, int line);
 
-// What a call is given, and what the line says that refuses it: a row of a table.
+// A row of a table: what a call is given, and what the line says that refuses it.
 typedef struct refusal {
     const char *given, *says;
 } refusal;
