@@ -178,14 +178,17 @@ static inline bool update_directly(const scene *s, uint i, uint2 link)
 
 #if WG > 1
 
-// A group's pairs go through two lists, each in turn for its work-items together, so that work-items side by side have
-// as much to do:
+// A group's pairs go through lists, each in turn for its work-items together, so that work-items side by side have as
+// much to do:
 //
 //   asked    pairs to be updated: those that had points a step ago from the front on, the others from the back
 //   waiting  those of them that need the search for an axis: most others are still apart as they were
+//   near     with IN_LISTS, those of them that come within the margin: by a face from the front on, by edges from the
+//            back; with the axes that were found
 //
 // The barriers are the kernel's: the compiler of PoCL 3.1 fails on some if a function has them.
 #define MOST_OF_GROUP (WG * PER_ITEM)
+#define IN_LISTS (ROTATED && !CONTINUOUS && !ROUNDED)
 
 static inline void ask_for_updates(const scene *s, __local uint *asked, volatile __local uint *n)
 {
@@ -204,7 +207,7 @@ static inline void ask_for_updates(const scene *s, __local uint *asked, volatile
 // Whether the axis that separated a pair without points does so still, and nothing else is to be known.
 static inline bool stays_apart(const scene *s, uint i, uint2 link)
 {
-    if (!ROTATED || CONTINUOUS || ROUNDED || had_points(s, i))
+    if (!IN_LISTS || had_points(s, i))
         return false;
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     return is_still_separated(&a, &b, offset_of(s, link), lead_of(s->margin), s->margin, s->touches[i] >> TOUCH_AXIS);
@@ -221,20 +224,65 @@ static inline void update_asked(const scene *s, __local const uint *asked, uint 
     }
 }
 
+typedef struct {
+    uint contact;
+    uint axes; // numbers: of the axis, and from bit 4 on of the best face
+    float separation;
+} near_pair;
+
+static inline void find_near(const scene *s, uint i, __local near_pair *near, volatile __local uint *n)
+{
+    uint2 link = s->links[i];
+    solid a = solid_of(s, link.x), b = solid_of(s, link.y);
+    float4 d = offset_of(s, link);
+    uint axis = s->touches[i] >> TOUCH_AXIS;
+    best_axis best, face = {0.0f, 0, -1};
+    if (find_near_axes(&a, &b, d, lead_of(s->margin), s->margin, &best, &face, &axis)) {
+        bool edges = best.a >= 0 && best.b >= 0;
+        uint at = edges ? MOST_OF_GROUP - 1 - atomic_inc(n + 1) : atomic_inc(n);
+        near[at] = (near_pair){i, axis_number(best) | axis_number(face) << 4, best.separation};
+        return;
+    }
+    manifold none;
+    none.n = 0;
+    store_contact(s, i, s->halves[link.x], d, 0, &none, axis);
+}
+
+static inline void collide_near(const scene *s, near_pair near)
+{
+    uint2 link = s->links[near.contact];
+    solid a = solid_of(s, link.x), b = solid_of(s, link.y);
+    float4 d = offset_of(s, link);
+    manifold m;
+    make_manifold(&a, &b, d, numbered_axis(near.axes & 15u, near.separation), numbered_axis(near.axes >> 4, 0.0f),
+                  lead_of(s->margin), s->margin, &m);
+    store_contact(s, near.contact, s->halves[link.x], d, 0, &m, 0);
+}
+
 __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void build_manifolds(BUILD_MANIFOLDS_ARGS)
 {
     const scene s = {BUILD_MANIFOLDS_VALUES};
     __local uint asked[MOST_OF_GROUP], waiting[MOST_OF_GROUP];
-    __local uint counts[3]; // with points, without, and that wait
-    if (get_local_id(0) < 3)
-        counts[get_local_id(0)] = 0;
+    __local near_pair near[IN_LISTS ? MOST_OF_GROUP : 1];
+    __local uint counts[5]; // with points, without, that wait, near by a face, and by edges
+    const uint item = get_local_id(0);
+    if (item < 5)
+        counts[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     ask_for_updates(&s, asked, counts);
     barrier(CLK_LOCAL_MEM_FENCE);
     update_asked(&s, asked, counts[0], counts[1], waiting, counts + 2);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint k = get_local_id(0); k < counts[2]; k += WG)
-        collide_pair(&s, waiting[k], links[waiting[k]]);
+    for (uint k = item; k < counts[2]; k += WG) {
+        if (IN_LISTS)
+            find_near(&s, waiting[k], near, counts + 3);
+        else
+            collide_pair(&s, waiting[k], links[waiting[k]]);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint faces = counts[3], all = IN_LISTS ? faces + counts[4] : 0;
+    for (uint k = item; k < all; k += WG)
+        collide_near(&s, near[k < faces ? k : MOST_OF_GROUP - 1 - (k - faces)]);
 }
 
 #else

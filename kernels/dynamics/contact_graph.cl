@@ -217,6 +217,8 @@ static inline void heap_sort(__global uint *values, uint n)
     }
 }
 
+#define SHORT_ROW 32
+
 static inline void insertion_sort(__global uint *values, uint n)
 {
     for (uint i = 1; i < n; ++i) {
@@ -230,17 +232,43 @@ static inline void insertion_sort(__global uint *values, uint n)
 
 static inline void sort_row(__global uint *values, uint n)
 {
-    if (n > 32)
+    if (n > SHORT_ROW)
         heap_sort(values, n);
     else
         insertion_sort(values, n);
 }
+#if WG > 1
+
+// Sorts n values while it reads them, in local memory: a work-item's lie WG apart.
+static inline void sort_short_row(__global uint *values, uint n, __local uint *own)
+{
+    for (uint i = 0; i < n; ++i) {
+        uint value = values[i], at = i;
+        for (; at > 0 && own[(at - 1) * WG] > value; --at)
+            own[at * WG] = own[(at - 1) * WG];
+        own[at * WG] = value;
+    }
+    for (uint i = 0; i < n; ++i)
+        values[i] = own[i * WG];
+}
+#endif
 
 __kernel void contact_graph_sort(CONTACT_GRAPH_SORT_ARGS)
 {
+#if WG > 1
+    __local uint short_rows[SHORT_ROW * WG];
+#endif
     uint first = get_global_id(0) * PER_ITEM;
-    for (uint row = first; row < min(first + PER_ITEM, n); ++row)
-        sort_row(row_values + row_starts[row], row_starts[row + 1] - row_starts[row]);
+    for (uint row = first; row < min(first + PER_ITEM, n); ++row) {
+        __global uint *values = row_values + row_starts[row];
+        uint n_values = row_starts[row + 1] - row_starts[row];
+#if WG > 1
+        if (n_values <= SHORT_ROW)
+            sort_short_row(values, n_values, short_rows + get_local_id(0));
+        else
+#endif
+            sort_row(values, n_values);
+    }
 }
 
 // The contacts of rows are links (fill 0).

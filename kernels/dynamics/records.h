@@ -139,6 +139,7 @@
 #define TEAM_DONE 0
 #define TEAM_STAGE TEAM_LINE
 #define TEAM_TAKEN (2 * TEAM_LINE)                     // a line for each group
+#define MEET_BOUNCES TEAM_LINE                         // of groups that meet: colours in which something bounces
 #define TEAM_MOST 320                                  // groups
 #define TEAM_PARTS TEAM_LINE                           // parts of a group in a stage, at most
 #define TEAM_WORDS (TEAM_TAKEN + TEAM_LINE * TEAM_MOST)

@@ -2,7 +2,8 @@
 // All of a step's solving in one launch: as launches its passes would wait for each other longer than they take.
 //
 // Invariant: bodies and contacts go through the functions of prepare_contacts, integrate_velocities,
-// integrate_positions, solve_contacts, apply_restitution and store_impulses, in the same order.
+// integrate_positions, solve_contacts, apply_restitution and store_impulses, in the same order. What of them knows no
+// order (a contact's constraint, and what is kept of it) groups that meet do for all colours together.
 //
 //   pass 0                contacts into blocks
 //   2 for each substep    bodies, and then the contacts of each colour: soft in the first, relaxed in the second
@@ -33,6 +34,18 @@ static inline void move_bodies(const substep *s, uint2 range)
 #endif
 }
 
+static inline void take_bodies(const state *s, const substep *to_move, bool soft, uint2 range)
+{
+    if (soft)
+        accelerate_bodies(s, range);
+    else
+        move_bodies(to_move, range);
+}
+
+#if WG == 1
+
+// ------------------------------------------------------------ by a team, or by one work-item
+
 #if LANES > 1
 // Asks for the points of a block's records, as many as the present block has: neighbours have as many.
 static inline void ask_for_points(const source *from, __global const uint *list, int points)
@@ -55,35 +68,19 @@ static inline void store_part(const solver *s, const source *from, const colour_
         store_contact(constraint_at(s->blocks, part, i), s->contacts + (size_t)s->list[part->first + i] * RECORD);
 }
 
-// Whether a work-item loads what its next contact's constraint holds before the groups meet: nobody else writes to it,
-// and what was stored and what is loaded are waited for together.
-#define HOLDS (WG > 1)
-
-static inline void take_contacts(const solver *s, const source *from, const colour_part *part, uint pass,
-                                 held_contact *held)
+static inline void take_contacts(const solver *s, const source *from, const colour_part *part, uint pass)
 {
     const uint last = 2 * s->substeps;
     for (uint k = part->from; k < part->to; k += part->stride) {
-        __global float *constraint = constraint_at(s->blocks, part, k);
         if (pass == 0)
             prepare_part(s->blocks, from, from->list, part, k);
         else if (pass > last)
-            restore_speeds(constraint, s->bodies, s->fall, s->least_speed);
-        else if (HOLDS)
-            solve_pass(s, held, constraint);
+            restore_speeds(constraint_at(s->blocks, part, k), s->bodies, s->fall, s->least_speed);
         else
             solve_part(s, part, k);
-        if (HOLDS && k + part->stride < part->to)
-            hold_contact(held, constraint_at(s->blocks, part, k + part->stride));
         if (pass == last)
             store_part(s, from, part, k);
     }
-}
-
-static inline void hold_first(const solver *s, const colour_part *part, held_contact *held)
-{
-    if (part->from < part->to)
-        hold_contact(held, constraint_at(s->blocks, part, part->from));
 }
 
 __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
@@ -93,47 +90,159 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     const substep to_move = {SOLVE_SUBSTEPS_VALUES};
     solver s = {SOLVE_SUBSTEPS_VALUES};
     sweep parts = SWEEP;
-    held_contact held;
     colour_part part;
     uint2 range;
     if (WAITS_FOR_HOST)
         return;
     const uint end = to_colour > 0 ? min(to_colour, spans[COLOUR_SPANS - 1].x) : 0;
-#if HOLDS
-    uint4 present = end > 0 ? spans[0] : (uint4)(0);
-    part = own_part(0, present);
-#endif
     for (uint pass = from_pass; pass < to_pass; ++pass) {
         s.soft = pass & 1u;
         if (pass > 0 && pass <= 2 * substeps) {
             BEGIN_BODIES(parts, N_AWAKE);
-            while (next_bodies(&parts, N_AWAKE, &range)) {
-                if (s.soft)
-                    accelerate_bodies(&to_accelerate, range);
-                else
-                    move_bodies(&to_move, range);
-            }
+            while (next_bodies(&parts, N_AWAKE, &range))
+                take_bodies(&to_accelerate, &to_move, s.soft, range);
             END_PART(parts);
         }
         for (uint colour = 0; colour < end; ++colour) {
-#if HOLDS
-            const uint next = colour + 1 < end ? colour + 1 : 0;
-            const uint4 coming = spans[next];
-            const bool all_meet = next == 0 || !is_of_one(present.y) || !is_of_one(coming.y);
-            take_contacts(&s, &from, &part, pass, &held);
-            part = own_part(next, coming);
-            hold_first(&s, &part, &held);
-            if (all_meet)
-                END_PART(parts);
-            else
-                barrier(CLK_GLOBAL_MEM_FENCE);
-            present = coming;
-#else
             BEGIN_PART(parts, colour);
             while (next_contacts(&parts, &part))
-                take_contacts(&s, &from, &part, pass, &held);
+                take_contacts(&s, &from, &part, pass);
             END_PART(parts);
-#endif
         }
     }
 }
+
+#else
+
+// ------------------------------------------------------------ by groups that meet, or by one group
+
+static inline void prepare_all(const solver *s, const source *from, uint end)
+{
+    const uint2 blocks = own_range(s->spans[COLOUR_SPANS - 1].y, 1);
+    for (uint colour = 0; colour < end; ++colour) {
+        const colour_part part = part_in_blocks(colour, s->spans[colour], blocks);
+        for (uint k = part.from; k < part.to; k += part.stride)
+            prepare_lanes(constraint_at(s->blocks, &part, k), from, s->list + part.first + k, 1);
+    }
+}
+
+// Keeps the impulses of the last substep. Returns bits of the colours in which something bounces.
+static inline uint store_all(const solver *s, uint end)
+{
+    const uint2 blocks = own_range(s->spans[COLOUR_SPANS - 1].y, 1);
+    uint bouncing = 0;
+    for (uint colour = 0; colour < end; ++colour) {
+        const colour_part part = part_in_blocks(colour, s->spans[colour], blocks);
+        for (uint k = part.from; k < part.to; k += part.stride) {
+            __global float *constraint = constraint_at(s->blocks, &part, k);
+            mask bounces[POINTS];
+            store_contact(constraint, s->contacts + (size_t)s->list[part.first + k] * RECORD);
+            if (find_bouncing(constraint, get(constraint, IN_RESTITUTION), s->least_speed, bounces))
+                bouncing |= 1u << colour;
+        }
+    }
+    return bouncing;
+}
+
+// A work-item's part of the colours, one after the other. What its next contact's constraint holds is loaded before the
+// groups meet: nobody else writes to it, and what was stored and what is loaded are waited for together.
+typedef struct {
+    uint end; // of the colours
+    uint4 span;
+    colour_part part;
+    held_contact held;
+} colour_turn;
+
+static inline void hold_part(colour_turn *t, const solver *s, uint colour)
+{
+    t->span = s->spans[colour];
+    t->part = own_part(colour, t->span);
+    if (t->part.from < t->part.to)
+        hold_contact(&t->held, constraint_at(s->blocks, &t->part, t->part.from));
+}
+
+static inline void take_turn(colour_turn *t, const solver *s, uint pass)
+{
+    const colour_part *part = &t->part;
+    for (uint k = part->from; k < part->to; k += part->stride) {
+        if (pass == 0)
+            warm_held(&t->held, s->bodies);
+        else
+            solve_pass(s, &t->held, constraint_at(s->blocks, part, k));
+        if (k + part->stride < part->to)
+            hold_contact(&t->held, constraint_at(s->blocks, part, k + part->stride));
+    }
+}
+
+// Takes all colours, and holds the first again. A group that takes all of two colours alone meets nobody between them.
+static inline void take_colours(colour_turn *t, sweep *parts, const solver *s, uint pass)
+{
+    for (uint colour = 0; colour < t->end; ++colour) {
+        const uint next = colour + 1 < t->end ? colour + 1 : 0, count = t->span.y;
+        take_turn(t, s, pass);
+        hold_part(t, s, next);
+        if (next == 0 || !is_of_one(count) || !is_of_one(t->span.y))
+            END_PART(*parts);
+        else
+            barrier(CLK_GLOBAL_MEM_FENCE);
+    }
+}
+
+static inline void restore_colours(sweep *parts, const solver *s, uint end, uint bouncing)
+{
+    for (uint colour = 0; colour < end; ++colour) {
+        if (!(bouncing >> colour & 1u))
+            continue;
+        const colour_part part = own_part(colour, s->spans[colour]);
+        for (uint k = part.from; k < part.to; k += part.stride)
+            restore_speeds(constraint_at(s->blocks, &part, k), s->bodies, s->fall, s->least_speed);
+        END_PART(*parts);
+    }
+}
+
+// Tells the groups in which colours something bounces.
+static inline uint share_bouncing(sweep *parts, const solver *s, uint bouncing)
+{
+#if MEET
+    if (bouncing)
+        atomic_or(s->team + MEET_BOUNCES, bouncing);
+    END_PART(*parts);
+    return s->team[MEET_BOUNCES];
+#else
+    return ~0u;
+#endif
+}
+
+// Groups take all passes in a launch.
+__kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
+{
+    const source from = {SOLVE_SUBSTEPS_VALUES};
+    const state to_accelerate = {SOLVE_SUBSTEPS_VALUES};
+    const substep to_move = {SOLVE_SUBSTEPS_VALUES};
+    solver s = {SOLVE_SUBSTEPS_VALUES};
+    sweep parts = SWEEP;
+    if (WAITS_FOR_HOST)
+        return;
+    const uint last = 2 * substeps;
+    colour_turn turn = {.end = to_colour > 0 ? min(to_colour, spans[COLOUR_SPANS - 1].x) : 0};
+#if MEET
+    if (get_global_id(0) == 0)
+        team[MEET_BOUNCES] = 0;
+#endif
+    prepare_all(&s, &from, turn.end);
+    END_PART(parts);
+    if (turn.end > 0)
+        hold_part(&turn, &s, 0);
+    take_colours(&turn, &parts, &s, 0);
+    for (uint pass = 1; pass <= last; ++pass) {
+        s.soft = pass & 1u;
+        take_bodies(&to_accelerate, &to_move, s.soft, own_range(N_AWAKE, LANES));
+        END_PART(parts);
+        take_colours(&turn, &parts, &s, pass);
+    }
+    const uint bouncing = store_all(&s, turn.end);
+    if (to_pass > last + 1)
+        restore_colours(&parts, &s, turn.end, share_bouncing(&parts, &s, bouncing));
+}
+
+#endif
