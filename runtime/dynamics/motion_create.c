@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "runtime/bodies/ground_def.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
@@ -120,7 +121,8 @@ static bool open_world(duet_motion *m, duet_error *err)
     def.dims = m->def.dims;
     def.shape = DUET_SHAPE_BOUNDS;
     m->graph.world = duet_world_create(&def, err);
-    return m->graph.world;
+    return m->graph.world &&
+           world_expect_motion(m->graph.world, m->def.boundary == DUET_BOUNDARY_NONE, err);
 }
 
 static bool open_device(duet_motion *m, duet_error *err)

@@ -308,7 +308,8 @@ bool motion_prepare(duet_motion *m, duet_error *err)
     m->solver.radix.scan = &m->graph.scan;
     return choose_kernels(m, err) &&
            program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err) &&
-           program_set_build(m->programs, err);
+           (has(m, DUET_EFFECT_SKIN) ? motion_prepare_altered(m, err)
+                                     : program_set_build(m->programs, err));
 }
 
 // After a failure those before go on.
