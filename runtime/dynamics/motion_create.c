@@ -219,6 +219,7 @@ duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts
     duet_motion *m = hold(def, NULL, NULL, NULL, 0, err);
     if (!m)
         return NULL;
+    m->is_domain = true;
     m->facts = *facts;
     m->extent = extent;
     infer(m);

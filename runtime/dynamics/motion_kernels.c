@@ -298,16 +298,44 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     return true;
 }
 
-bool motion_prepare(duet_motion *m, duet_error *err)
+// Launches that do all of several stages spare the kernels of each, unless a domain takes its stages
+// one by one.
+static void spare_stages(duet_motion *m)
+{
+    motion_kernels *k = &m->kernels;
+    contact_solver *s = &m->solver;
+    kernel *of_solver[] = {k->prepare_contacts, k->store_impulses, k->solve_contacts,
+                           k->apply_restitution, k->integrate_positions};
+    kernel *of_colours[] = {k->graph_colour_mark, k->graph_colour_choose, k->graph_colour_take,
+                            k->graph_colour_key,  k->row_start,           s->radix.count,
+                            s->radix.move};
+    const bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE) && !m->is_domain;
+    const bool solves = response && team_takes(k->solve_substeps) && motion_solves_at_once(m);
+    const bool colours = response && motion_colours_at_once(m);
+    for (size_t i = 0; solves && i < sizeof of_solver / sizeof *of_solver; ++i)
+        of_solver[i]->spare = true;
+    for (size_t i = 0; colours && i < sizeof of_colours / sizeof *of_colours; ++i)
+        of_colours[i]->spare = true;
+}
+
+static bool choose_all(duet_motion *m, duet_error *err)
 {
     const kernel_request sorts[] = {
         SCAN_KERNELS(&m->graph.scan, has(m, DUET_EFFECT_CONTACT)),
         RADIX_SORT_KERNELS(&m->solver.radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
     };
+    bool ok = choose_kernels(m, err) &&
+              program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err);
+    if (ok)
+        spare_stages(m);
+    return ok;
+}
+
+bool motion_prepare(duet_motion *m, duet_error *err)
+{
     m->graph.scan.device = m->solver.radix.device = m->device;
     m->solver.radix.scan = &m->graph.scan;
-    return choose_kernels(m, err) &&
-           program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err) &&
+    return choose_all(m, err) &&
            (has(m, DUET_EFFECT_SKIN) ? motion_prepare_altered(m, err)
                                      : program_set_build(m->programs, err));
 }
@@ -317,7 +345,7 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
 {
     const motion_kernels kernels = m->kernels;
     const motion_layout layout = m->layout;
-    bool ok = choose_kernels(m, err) && program_set_build(m->programs, err);
+    bool ok = choose_all(m, err) && program_set_build(m->programs, err);
     product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
         m->kernels = kernels;
