@@ -298,6 +298,24 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     return true;
 }
 
+// Whether one launch colours: by groups that meet, or by a team, unless a plan sets groups
+// for the launches.
+bool motion_colours_at_once(const duet_motion *m)
+{
+    const kernel *k = m->kernels.colour_contacts;
+    if (!k)
+        return false;
+    return kernel_param(k, "MEET") == 1 ||
+           (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
+}
+
+// A plan that sets how contacts are solved is obeyed by launches of their own.
+bool motion_team_solves(const motion_kernels *k)
+{
+    return team_takes(k->solve_substeps) && team_takes(k->solve_contacts) &&
+           kernel_param(k->solve_contacts, "LANES") == kernel_param(k->solve_substeps, "LANES");
+}
+
 // Launches that do all of several stages spare the kernels of each, unless a domain takes its stages
 // one by one.
 static void spare_stages(duet_motion *m)
@@ -310,7 +328,7 @@ static void spare_stages(duet_motion *m)
                             k->graph_colour_key,  k->row_start,           s->radix.count,
                             s->radix.move};
     const bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE) && !m->is_domain;
-    const bool solves = response && team_takes(k->solve_substeps) && motion_solves_at_once(m);
+    const bool solves = response && motion_team_solves(k);
     const bool colours = response && motion_colours_at_once(m);
     for (size_t i = 0; solves && i < sizeof of_solver / sizeof *of_solver; ++i)
         of_solver[i]->spare = true;
@@ -335,9 +353,7 @@ bool motion_prepare(duet_motion *m, duet_error *err)
 {
     m->graph.scan.device = m->solver.radix.device = m->device;
     m->solver.radix.scan = &m->graph.scan;
-    return choose_all(m, err) &&
-           (has(m, DUET_EFFECT_SKIN) ? motion_prepare_altered(m, err)
-                                     : program_set_build(m->programs, err));
+    return choose_all(m, err) && program_set_build(m->programs, err);
 }
 
 // After a failure those before go on.
