@@ -17,6 +17,13 @@
 // that out, which is not worth a line.
 enum { FOUND_BY_THEN_NS = 1000000000 };
 
+static bool compiled_for_long;
+
+bool inputs_have_compiled(void)
+{
+    return compiled_for_long;
+}
+
 void inputs_show_compiling(void *context, const duet_device_info *device, const char *kernel,
                            uint32_t k, uint32_t n)
 {
@@ -27,8 +34,10 @@ void inputs_show_compiling(void *context, const duet_device_info *device, const 
         snprintf(what, sizeof what, "%s: first run, compiling kernel", device->selector);
         shown = progress_begin(what, n);
     }
-    if (kernel && clock_steady_ns() - shown.begun_ns > FOUND_BY_THEN_NS)
+    if (kernel && clock_steady_ns() - shown.begun_ns > FOUND_BY_THEN_NS) {
+        compiled_for_long = true;
         progress_show(&shown, k);
+    }
     if (!kernel)
         progress_end(&shown);
 }

@@ -109,6 +109,9 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
 void inputs_show_compiling(void *context, const duet_device_info *device, const char *kernel,
                            uint32_t k, uint32_t n);
 
+// Whether that has told of any: a driver may compile each kernel for the device when it first runs.
+bool inputs_have_compiled(void);
+
 // NULL selectors: the default pair.
 duet_device_pair *inputs_open_pair(const char *selectors, duet_error *err);
 

@@ -9,6 +9,7 @@
 #include "cli/say.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 // A run of so few steps is timed by stages, though a GPU then takes longer.
@@ -116,10 +117,21 @@ static bool save_recording(moved *r, duet_error *err)
     return !r->args->record || duet_motion_save_recording(r->motion, r->args->record, err);
 }
 
+// The first step takes seconds where the driver compiles in it.
+static void begin_progress(moved *r)
+{
+    r->shown = progress_begin("step", r->args->steps);
+    if (!inputs_have_compiled())
+        return;
+    snprintf(r->shown.note, sizeof r->shown.note, "the first one compiles for the device");
+    progress_show(&r->shown, duet_motion_get_step(r->motion));
+    *r->shown.note = '\0';
+}
+
 static bool run_steps(moved *r, duet_error *err)
 {
     bool ok = begin_frames(r, err) && (!r->args->picture || snapshot_try(r->args->picture, err));
-    r->shown = progress_begin("step", r->args->steps);
+    begin_progress(r);
     while (ok && duet_motion_get_step(r->motion) < r->args->steps && !interrupt_asked()) {
         ok = step(r, err);
         progress_show(&r->shown, duet_motion_get_step(r->motion));

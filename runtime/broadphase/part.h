@@ -34,6 +34,7 @@ typedef struct part_task {
     compaction *lists;     // that find a wanted LIST
     const global_ids *ids; // pairs of objects that have one stay there, and are counted; or NULL
     bool pairs_on_device;  // the pairs stay on the device
+    bool moves;            // the objects; grids of other kinds may follow
 } part_task;
 
 // How far a part is in a step (part_run.c):
@@ -223,6 +224,17 @@ void part_close(part *p);
 
 // Generates and builds what the variant needs for the task, unless that is what the part has.
 bool part_prepare(part *p, const variant *asked, duet_error *err);
+
+// A kind of grid, as kernels tell them apart.
+typedef struct part_grid_kind {
+    grid_kind kind;
+    bool roomy; // dense, of one size, with space around each cell; else of any number of sizes
+    bool cut;   // into slabs
+} part_grid_kind;
+
+// Builds what the variant needs for the task with each of these kinds, so that steps find it built.
+bool part_prepare_grids(part *p, const variant *asked, const part_grid_kind kinds[], uint32_t n,
+                        duet_error *err);
 
 // Whether the part was prepared for that variant, and since then not told to forget its kernels.
 bool part_has_kernels(const part *p, const variant *asked);

@@ -48,6 +48,12 @@ static bool is_roomy(const part_task *task)
            (task->objects->dims == 2 || cells[1] > 2);
 }
 
+// Of objects that move the kernels for a grid that is not roomy serve any number of sizes.
+static bool knows_levels(const part_task *task)
+{
+    return task->grid->n_levels > 1 || (task->moves && !is_roomy(task));
+}
+
 // The kernels of each way to search.
 static const struct {
     const char *starts;
@@ -144,7 +150,7 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         {"IDS", !tested, false},
         {"ACCURACY", level_of(task), false},
         {"GRID", g->kind, false},
-        {"LEVELS", g->n_levels > 1, false},
+        {"LEVELS", knows_levels(task), false},
         {"ROOMY", is_roomy(task), false},
         {"CELLS_X", cells.s[0], false},
         {"CELLS_Y", cells.s[1], false},
@@ -272,6 +278,14 @@ bool part_prepare_skim(part *p, duet_error *err)
     return ASK(p, list, err) && program_set_build(p->programs, err);
 }
 
+static bool ask_all(part *p, duet_error *err)
+{
+    if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, err))
+        return false;
+    p->facts |= facts_of_kernels(p);
+    return ask_tests_and_reads(p, err);
+}
+
 // Whether some kernel has the parameter of a setting. The kernel `skim` comes later.
 static bool is_known(const variant_setting *s)
 {
@@ -280,10 +294,7 @@ static bool is_known(const variant_setting *s)
 
 static bool build(part *p, duet_error *err)
 {
-    if (!list_offers(p, err) || !ask_sorts(p, err) || !ask_grid_and_search(p, err))
-        return false;
-    p->facts |= facts_of_kernels(p);
-    if (!ask_tests_and_reads(p, err))
+    if (!ask_all(p, err))
         return false;
     for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
         const variant_setting *s = &p->variant.settings[i];
@@ -295,18 +306,52 @@ static bool build(part *p, duet_error *err)
     return program_set_build(p->programs, err);
 }
 
+static void choose_all(part *p, const variant *asked)
+{
+    p->variant = *asked;
+    p->facts = facts_of(p);
+    choose(p, p->facts, p->choices);
+}
+
 bool part_prepare(part *p, const variant *asked, duet_error *err)
 {
     if (is_prepared(p, asked))
         return true;
-    p->variant = *asked;
-    p->facts = facts_of(p);
-    choose(p, p->facts, p->choices);
+    choose_all(p, asked);
     p->kernels.skim = NULL;
     p->zero_words = 0; // other kernels leave other words as they are
     bool ok = build(p, err);
     if (!ok)
         p->kernels = (part_kernels){0};
+    return ok;
+}
+
+static void change_choice(part *p, const char *name, int64_t value)
+{
+    for (int i = 0; i < PART_CHOICES; ++i)
+        if (strcmp(p->choices[i].name, name) == 0)
+            p->choices[i].value = value;
+}
+
+static bool ask_for_grid(part *p, const variant *asked, const part_grid_kind *g, duet_error *err)
+{
+    choose_all(p, asked);
+    change_choice(p, "GRID", g->kind);
+    change_choice(p, "LEVELS", !g->roomy);
+    change_choice(p, "ROOMY", g->roomy);
+    change_choice(p, "GUARDED", g->cut);
+    change_choice(p, "SLAB", g->cut);
+    return ask_all(p, err);
+}
+
+bool part_prepare_grids(part *p, const variant *asked, const part_grid_kind kinds[], uint32_t n,
+                        duet_error *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < n; ++i)
+        ok = ask_for_grid(p, asked, &kinds[i], err);
+    ok = ok && program_set_build(p->programs, err);
+    p->kernels = (part_kernels){0};
     return ok;
 }
 

@@ -87,11 +87,8 @@ static bool divide(duet_world *world, part_range ranges[2], duet_error *err)
     return true;
 }
 
-static bool give_tasks(duet_world *world, duet_error *err)
+static void give_tasks(duet_world *world, const part_range ranges[2])
 {
-    part_range ranges[2];
-    if (!divide(world, ranges, err))
-        return false;
     for (int side = 0; side < 2; ++side) {
         part *p = &world->parts[side];
         const part_task task = {
@@ -105,10 +102,49 @@ static bool give_tasks(duet_world *world, duet_error *err)
             .lists = &world->lists,
             .ids = p->device->info.host_memory ? NULL : world->counted,
             .pairs_on_device = pairs_on_device(world, side),
+            .moves = world->moves,
         };
         part_take(p, &task);
     }
-    return true;
+}
+
+// ---------------------------------------------------------------- built ahead
+
+// Slabs have one size of cells.
+static uint32_t list_grids(const duet_world *world, bool spreads, part_grid_kind kinds[3])
+{
+    const bool slabs = world->asked_mode == DUET_MODE_SLAB;
+    const bool cut =
+        slabs || (world->asked_mode == DUET_MODE_DEFAULT && world_pair_is_alike(world->def.pair));
+    uint32_t n = 0;
+    if (world->wish.kinds != GRID_ONLY_HASHED)
+        kinds[n++] = (part_grid_kind){GRID_DENSE, true, cut};
+    if (world->wish.kinds != GRID_ONLY_HASHED)
+        kinds[n++] = (part_grid_kind){GRID_DENSE, false, slabs};
+    if (world->wish.kinds == GRID_ONLY_HASHED || (world->wish.kinds == GRID_ANY && spreads))
+        kinds[n++] = (part_grid_kind){GRID_HASHED, false, false};
+    return n;
+}
+
+static bool may_work(const duet_world *world, int side)
+{
+    const duet_plan *plan = &world->def.plan;
+    return plan->share != (side == 0 ? 0 : DUET_SHARE_ONE) || plan->mode == DUET_MODE_SHARED;
+}
+
+bool world_expect_motion(duet_world *world, bool spreads, duet_error *err)
+{
+    part_grid_kind kinds[3];
+    const uint32_t n = list_grids(world, spreads, kinds);
+    bool ok = true;
+    if (world->variants[0].search == SEARCH_PAPER || world->variants[1].search == SEARCH_PAPER)
+        return true; // it knows one kind of grid
+    world->moves = true;
+    give_tasks(world, (const part_range[2]){{0}, {0}});
+    for (int side = 0; ok && side < 2; ++side)
+        ok = !may_work(world, side) ||
+             part_prepare_grids(&world->parts[side], &world->variants[side], kinds, n, err);
+    return ok;
 }
 
 // ---------------------------------------------------------------- both parts
@@ -146,8 +182,10 @@ static bool run_both(duet_world *world, const bool use[2], duet_error *err)
 static bool run_parts(duet_world *world, bool *found_all, duet_error *err)
 {
     part *a = &world->parts[0], *b = &world->parts[1];
-    if (!give_tasks(world, err))
+    part_range ranges[2];
+    if (!divide(world, ranges, err))
         return false;
+    give_tasks(world, ranges);
     const bool shared = a->task.role == GRID_RECEIVED && has_work(&a->task.range);
     const bool use[2] = {has_work(&a->task.range), shared || has_work(&b->task.range)};
     if ((use[0] && !part_prepare(a, &world->variants[0], err)) ||

@@ -66,6 +66,7 @@ struct duet_world {
     workload_stats stats; // taken of the objects that were set first
 
     grid grid;
+    bool moves;          // the objects, whose grid may become any (world_expect_motion)
     uint32_t fitted_n;   // objects that the grid was fitted to; 0: it is to be fitted
     split split;         // the grid's, in mode slab
     input_ranges ranges; // the slabs' objects, if they are ordered
@@ -116,6 +117,10 @@ void world_hold(duet_world *world);
 // Sets the level of a loaded profile. Later profiles may use any level within the requested
 // accuracy.
 void world_change_level(duet_world *world, duet_level level);
+
+// Builds the kernels of a motion's world, whose bounds lie on B, for all grids that its steps may
+// come to need. spreads: bodies may leave the others far behind.
+bool world_expect_motion(duet_world *world, bool spreads, duet_error *err);
 
 // The next step lays its grid anew, whatever the last one found.
 void world_forget_grid(duet_world *world);

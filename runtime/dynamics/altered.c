@@ -112,7 +112,7 @@ static bool send_altered(duet_motion *m, duet_error *err)
                              a->n * sizeof *a->places, err);
 }
 
-static bool prepare(duet_motion *m, duet_error *err)
+bool motion_prepare_altered(duet_motion *m, duet_error *err)
 {
     motion_kernels *k = &m->kernels;
     const bindings from = motion_bindings;
@@ -133,7 +133,7 @@ bool motion_bound_altered(duet_motion *m, duet_error *err)
         return true;
     list_once(&m->altered);
     measure_table(m);
-    return prepare(m, err) && reserve_table(m, err) && send_altered(m, err) &&
+    return reserve_table(m, err) && send_altered(m, err) &&
            motion_launch(m, "grid", m->kernels.compute_altered_aabbs, m->altered.n, err) &&
            motion_launch(m, stage, m->kernels.place_altered, m->altered.n, err);
 }

@@ -149,17 +149,6 @@ static bool list_none(duet_motion *m)
     return true;
 }
 
-// Whether one launch does all of it: by groups that meet, or by a team, unless a plan sets groups
-// for the launches.
-bool motion_colours_at_once(const duet_motion *m)
-{
-    const kernel *k = m->kernels.colour_contacts;
-    if (!k)
-        return false;
-    return kernel_param(k, "MEET") == 1 ||
-           (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
-}
-
 // Contacts that a group has at least; stages of a team that marks and sorts, and of each of its
 // rounds.
 enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2 };

@@ -77,6 +77,7 @@ struct duet_motion {
     duet_motion_def def;
     motion_plan plan; // the def's
     uint32_t effects;
+    bool is_domain; // of a rank, which takes a step's stages one by one (domain_motion.h)
     effect_facts facts;
     cl_uint n;
     duet_pose *poses;  // the given ones; with an origin each centre is an offset in its cell

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "runtime/bodies/ground_def.h"
+#include "runtime/broadphase/world.h"
 #include "runtime/narrowphase/origin.h"
 
 #include <math.h>
@@ -120,7 +121,8 @@ static bool open_world(duet_motion *m, duet_error *err)
     def.dims = m->def.dims;
     def.shape = DUET_SHAPE_BOUNDS;
     m->graph.world = duet_world_create(&def, err);
-    return m->graph.world;
+    return m->graph.world &&
+           world_expect_motion(m->graph.world, m->def.boundary == DUET_BOUNDARY_NONE, err);
 }
 
 static bool open_device(duet_motion *m, duet_error *err)
@@ -153,7 +155,9 @@ bool motion_open(duet_motion *m, duet_error *err)
               motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
               open_world(m, err) &&
               (!(m->effects & DUET_EFFECT_GROUND) || ground_send(&m->ground, m->device, err)) &&
-              motion_prepare(m, err) && motion_reset(m, err);
+              motion_prepare(m, err) &&
+              (!(m->effects & DUET_EFFECT_SKIN) || motion_prepare_altered(m, err)) &&
+              motion_reset(m, err);
     if (ok)
         motion_plan_note(m);
     return ok;
@@ -217,6 +221,7 @@ duet_motion *domain_create(const duet_motion_def *def, const effect_facts *facts
     duet_motion *m = hold(def, NULL, NULL, NULL, 0, err);
     if (!m)
         return NULL;
+    m->is_domain = true;
     m->facts = *facts;
     m->extent = extent;
     infer(m);

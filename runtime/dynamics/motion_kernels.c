@@ -298,17 +298,62 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
     return true;
 }
 
-bool motion_prepare(duet_motion *m, duet_error *err)
+// Whether one launch colours: by groups that meet, or by a team, unless a plan sets groups
+// for the launches.
+bool motion_colours_at_once(const duet_motion *m)
+{
+    const kernel *k = m->kernels.colour_contacts;
+    if (!k)
+        return false;
+    return kernel_param(k, "MEET") == 1 ||
+           (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
+}
+
+// A plan that sets how contacts are solved is obeyed by launches of their own.
+bool motion_team_solves(const motion_kernels *k)
+{
+    return team_takes(k->solve_substeps) && team_takes(k->solve_contacts) &&
+           kernel_param(k->solve_contacts, "LANES") == kernel_param(k->solve_substeps, "LANES");
+}
+
+// Launches that do all of several stages spare the kernels of each, unless a domain takes its stages
+// one by one.
+static void spare_stages(duet_motion *m)
+{
+    motion_kernels *k = &m->kernels;
+    contact_solver *s = &m->solver;
+    kernel *of_solver[] = {k->prepare_contacts, k->store_impulses, k->solve_contacts,
+                           k->apply_restitution, k->integrate_positions};
+    kernel *of_colours[] = {k->graph_colour_mark, k->graph_colour_choose, k->graph_colour_take,
+                            k->graph_colour_key,  k->row_start,           s->radix.count,
+                            s->radix.move};
+    const bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE) && !m->is_domain;
+    const bool solves = response && motion_team_solves(k);
+    const bool colours = response && motion_colours_at_once(m);
+    for (size_t i = 0; solves && i < sizeof of_solver / sizeof *of_solver; ++i)
+        of_solver[i]->spare = true;
+    for (size_t i = 0; colours && i < sizeof of_colours / sizeof *of_colours; ++i)
+        of_colours[i]->spare = true;
+}
+
+static bool choose_all(duet_motion *m, duet_error *err)
 {
     const kernel_request sorts[] = {
         SCAN_KERNELS(&m->graph.scan, has(m, DUET_EFFECT_CONTACT)),
         RADIX_SORT_KERNELS(&m->solver.radix, has(m, DUET_EFFECT_CONTACT_RESPONSE)),
     };
+    bool ok = choose_kernels(m, err) &&
+              program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err);
+    if (ok)
+        spare_stages(m);
+    return ok;
+}
+
+bool motion_prepare(duet_motion *m, duet_error *err)
+{
     m->graph.scan.device = m->solver.radix.device = m->device;
     m->solver.radix.scan = &m->graph.scan;
-    return choose_kernels(m, err) &&
-           program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err) &&
-           program_set_build(m->programs, err);
+    return choose_all(m, err) && program_set_build(m->programs, err);
 }
 
 // After a failure those before go on.
@@ -316,7 +361,7 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
 {
     const motion_kernels kernels = m->kernels;
     const motion_layout layout = m->layout;
-    bool ok = choose_kernels(m, err) && program_set_build(m->programs, err);
+    bool ok = choose_all(m, err) && program_set_build(m->programs, err);
     product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
         m->kernels = kernels;

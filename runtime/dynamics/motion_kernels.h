@@ -49,6 +49,11 @@ extern const binding motion_bindings[];
 enum { MOTION_OFFERS = 48 };
 uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFFERS]);
 
+// Whether a team takes whole substeps; whether one launch chooses and lists all colours, and lays
+// them out.
+bool motion_team_solves(const motion_kernels *k);
+bool motion_colours_at_once(const duet_motion *m);
+
 // Generates and builds what the effects need; again: for facts or a plan that have changed.
 bool motion_prepare(duet_motion *m, duet_error *err);
 bool motion_prepare_again(duet_motion *m, duet_error *err);

@@ -182,15 +182,9 @@ static bool have_space(const duet_motion *m, const kernel *k)
            m->solver.colours[COLOUR_OVERFLOW].count == 0;
 }
 
-// A plan that sets how contacts are solved is obeyed by launches of their own.
 static bool takes_substeps(const duet_motion *m, const kernel *k)
 {
-    const kernel *solve = m->kernels.solve_contacts;
-    if (!k)
-        return false;
-    if (!team_takes(k))
-        return have_space(m, k);
-    return team_takes(solve) && kernel_param(solve, "LANES") == kernel_param(k, "LANES");
+    return k && (team_takes(k) ? motion_team_solves(&m->kernels) : have_space(m, k));
 }
 
 // Takes passes (solve_substeps.cl).

@@ -53,9 +53,6 @@ bool motion_end_manifolds(duet_motion *m, duet_error *err);
 bool motion_begin_colours(duet_motion *m, duet_error *err);
 bool motion_end_colours(duet_motion *m, duet_error *err);
 
-// Whether one launch chooses and lists all colours, and lays them out.
-bool motion_colours_at_once(const duet_motion *m);
-
 // Reads the flags and, if colours are made at once, how they lie; motion_keep_colours then notes
 // whether those of the step before still hold, and makes space for the others.
 bool motion_read_colours(duet_motion *m, duet_error *err);

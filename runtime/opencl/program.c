@@ -160,8 +160,10 @@ static kernel *find_or_add_entry(const program_set *set, program *p, const char 
                                  const gen_variant *variant, const launcher *l, duet_error *err)
 {
     for (int i = 0; i < p->n_entries; ++i)
-        if (strcmp(p->entries[i].entry, entry) == 0)
+        if (strcmp(p->entries[i].entry, entry) == 0) {
+            p->entries[i].k.spare = false;
             return &p->entries[i].k;
+        }
     if (p->n_entries == PROGRAM_MOST_ENTRIES)
         return error_null(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has more than %d kernels",
                           variant->name, set->device->info.selector, PROGRAM_MOST_ENTRIES);

@@ -14,6 +14,7 @@
 // An entry point of a variant.
 typedef struct kernel {
     cl_kernel cl;      // NULL before it is built
+    bool spare;        // never launched, as the asker found: it is not built
     uint32_t group;    // work-items a group
     uint32_t per_item; // objects, pairs or values a work-item does
     uint32_t n_axes;   // in a launch

@@ -11,6 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Whether it is to be built, and is not.
+static bool is_wanted(const program *p)
+{
+    bool wanted = false;
+    for (int i = 0; i < p->n_entries; ++i)
+        wanted = wanted || !p->entries[i].k.spare;
+    return wanted && !p->cl;
+}
+
 // ---------------------------------------------------------------- of a binary
 
 // A driver may refuse a binary that it made itself, after an update say; the
@@ -38,7 +47,7 @@ static uint32_t build_binaries(program_set *set)
 {
     uint32_t left = 0;
     for (program *p = set->first; p; p = p->next) {
-        if (p->cl)
+        if (!is_wanted(p))
             continue;
         bool built = p->binary && build_binary(set, p);
         left += !built;
@@ -184,7 +193,7 @@ static program *take_next(compilation *c)
     const program_builder *b = &c->set->builder;
     pthread_mutex_lock(&c->lock);
     program *p = c->failure.status == DUET_STATUS_OK ? c->next : NULL;
-    while (p && p->cl)
+    while (p && !is_wanted(p))
         p = p->next;
     if (p) {
         c->next = p->next;
@@ -269,7 +278,7 @@ static void look_in_folder(const program_set *set, program *p)
 static void look_up(program_set *set)
 {
     for (program *p = set->first; p; p = p->next)
-        if (!p->cl && !program_pool_take(set->device->built, p) && set->cache_dir)
+        if (is_wanted(p) && !program_pool_take(set->device->built, p) && set->cache_dir)
             look_in_folder(set, p);
 }
 
@@ -295,10 +304,13 @@ static void forget_unbuilt(program_set *set)
 {
     for (program **at = &set->first; *at;) {
         program *p = *at;
+        const bool spare = !p->cl && p->is_old;
         bool built = p->cl && !p->text;
         while (built && p->n_entries > 0 && !p->entries[p->n_entries - 1].k.cl)
             --p->n_entries;
-        if (built) {
+        for (int i = 0; spare && i < p->n_entries; ++i)
+            p->entries[i].k.spare = true;
+        if (built || spare) {
             at = &p->next;
             continue;
         }
@@ -312,7 +324,9 @@ bool program_set_build(program_set *set, duet_error *err)
     look_up(set);
     bool ok = build_missing(set, err);
     for (program *p = set->first; ok && p; p = p->next)
-        ok = create_kernels(set, p, err);
+        ok = !p->cl || create_kernels(set, p, err);
+    for (program *p = set->first; ok && p; p = p->next)
+        p->is_old = true;
     if (!ok)
         forget_unbuilt(set);
     return ok;

@@ -25,6 +25,7 @@ typedef struct program {
         kernel k;
     } entries[PROGRAM_MOST_ENTRIES];
     int n_entries;
+    bool is_old; // it was asked for before the last build that succeeded
 } program;
 
 struct program_set {
