@@ -154,10 +154,8 @@ static bool list_none(duet_motion *m)
 bool motion_colours_at_once(const duet_motion *m)
 {
     const kernel *k = m->kernels.colour_contacts;
-    if (!k)
-        return false;
-    return kernel_param(k, "MEET") == 1 ||
-           (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
+    return k && (k->groups == GROUPS_MEET ||
+                 (k->groups == GROUPS_TEAM && m->kernels.graph_colour_mark->group == 1));
 }
 
 // Contacts that a group has at least; stages of a team that marks and sorts, and of each of its
