@@ -3,9 +3,9 @@
 // below, how many layers lie under each; from above, where the weight of all that it bears presses.
 #include "runtime/dynamics/substeps.h"
 
-#include "runtime/dynamics/height_map.h"
-
 #include "base/error.h"
+#include "runtime/dynamics/height_map.h"
+#include "runtime/dynamics/motion.h"
 
 #include <math.h>
 #include <stdlib.h>
