@@ -46,7 +46,7 @@ typedef struct set_search {
     worker_found found;
     duet_error err;
     bool ok;
-    parallel *beside; // the threads of which one makes it; NULL: none is under way
+    struct thread_pool *beside; // the threads of which one makes it; NULL: none is under way
 } set_search;
 
 struct duet_cluster {

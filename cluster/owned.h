@@ -99,7 +99,7 @@ void owned_tidy(owned *o);
 void owned_forget_domains(owned *o);
 
 // Brings tidy rows that lie in the rank's box to their domains, each in the order that suits the
-// worker that searches it. Planes between domains are made anew (place.c).
+// worker that searches it. Planes between domains are made anew.
 bool owned_place(owned *o, const extent *box, worker *const workers[2], duet_error *err);
 
 // Returns whether a domain has so many objects that the planes are to be made anew.

@@ -67,22 +67,6 @@ void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context)
     thread_pool_share(p ? p->team : NULL, run_parts, &all, n, 1);
 }
 
-// ---------------------------------------------------------------- a call
-
-void parallel_call_begin(parallel *p, parallel_call *call, void *context)
-{
-    if (p->team)
-        thread_pool_begin_call(p->team, call, context);
-    else
-        call(context);
-}
-
-void parallel_call_end(parallel *p)
-{
-    if (p->team)
-        thread_pool_end_call(p->team);
-}
-
 // ---------------------------------------------------------------- rows
 
 typedef struct copying {

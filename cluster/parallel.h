@@ -34,12 +34,6 @@ uint32_t parallel_each(parallel *p, uint64_t n, parallel_body *body, void *conte
 // may be NULL: then one after the other.
 void parallel_jobs(parallel *p, uint32_t n, parallel_body *body, void *context);
 
-// One long call by a thread of the team, beside loops of the others; at most one at a time. The
-// caller's thread makes the call if there is no team, or none of it is free before the end.
-typedef void parallel_call(void *context);
-void parallel_call_begin(parallel *p, parallel_call *call, void *context);
-void parallel_call_end(parallel *p); // waits for it
-
 // Copies n rows of so many bytes to memory that they do not lie in.
 void parallel_copy(parallel *p, void *to, const void *from, uint64_t n, size_t bytes);
 

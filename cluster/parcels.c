@@ -100,15 +100,18 @@ static int send_and_receive(ranks *r, const parcels *out, parcels *in, MPI_Reque
 
 int parcels_begin_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests)
 {
-    int n = 0;
-    RANKS_WAITING(r, n = send_and_receive(r, out, in, requests));
+    const rank_wait wait = ranks_begin_wait();
+    int n = send_and_receive(r, out, in, requests);
+    ranks_end_wait(r, wait);
     --r->n_waits; // it only begins
     return n;
 }
 
 void parcels_end_pass(ranks *r, int n, MPI_Request *requests)
 {
-    RANKS_WAITING(r, MPI_Waitall(n, requests, MPI_STATUSES_IGNORE));
+    const rank_wait wait = ranks_begin_wait();
+    MPI_Waitall(n, requests, MPI_STATUSES_IGNORE);
+    ranks_end_wait(r, wait);
 }
 
 // A rank that cannot send, or not receive, says so in its counts.
@@ -118,7 +121,9 @@ static bool exchange_counts(ranks *r, bool ok, const parcels *out, parcels *in, 
     uint64_t *received = r->counts + r->n;
     for (int q = 0; q < r->n; ++q)
         r->counts[q] = ok ? out->counts[q] : UINT64_MAX;
-    RANKS_WAITING(r, MPI_Alltoall(r->counts, 1, MPI_UINT64_T, received, 1, MPI_UINT64_T, r->comm));
+    const rank_wait wait = ranks_begin_wait();
+    MPI_Alltoall(r->counts, 1, MPI_UINT64_T, received, 1, MPI_UINT64_T, r->comm);
+    ranks_end_wait(r, wait);
     for (int q = r->n - 1; q >= 0; --q)
         failing = received[q] == UINT64_MAX ? q : failing;
     if (failing < r->n)

@@ -25,8 +25,8 @@ bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *e
 bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_error *err);
 
 // Sends and receives rows of which both sides know how many there are, as the counts and the memory
-// of both parcels say; it cannot fail. requests has space for 4 for each rank. Between the two calls
-// rows travel and nobody touches them: begin returns how many requests end waits for.
+// of both parcels say; it cannot fail. requests has space for 4 for each rank. Between the two
+// calls rows travel and nobody touches them: begin returns how many requests end waits for.
 int parcels_begin_pass(ranks *r, const parcels *out, parcels *in, MPI_Request *requests);
 void parcels_end_pass(ranks *r, int n, MPI_Request *requests);
 

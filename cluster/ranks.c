@@ -2,6 +2,7 @@
 #define _GNU_SOURCE // sched_getaffinity
 #include "cluster/ranks.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 
 #include <limits.h>
@@ -148,6 +149,25 @@ static uint64_t mpi_now_ns(void)
 
 uint64_t (*ranks_now_ns)(void) = mpi_now_ns;
 
+rank_wait ranks_begin_wait(void)
+{
+    return (rank_wait){ranks_now_ns(), clock_process_ns()};
+}
+
+void ranks_end_wait(ranks *r, rank_wait wait)
+{
+    ++r->n_waits;
+    r->wait_ns += ranks_now_ns() - wait.begun_ns;
+    r->spun_ns += clock_process_ns() - wait.spun_ns;
+}
+
+#define WAITING(r, statement)                   \
+    do {                                        \
+        const rank_wait w = ranks_begin_wait(); \
+        statement;                              \
+        ranks_end_wait(r, w);                   \
+    } while (0)
+
 // ---------------------------------------------------------------- all at once
 
 bool ranks_fail(ranks *r, int failing, duet_error *err)
@@ -162,7 +182,7 @@ bool ranks_fail(ranks *r, int failing, duet_error *err)
         first = (duet_error){.cl_code = own.cl_code};
         error_set(&first, own.status, "rank %d on %s: %s", r->self, r->host_name, own.text);
     }
-    RANKS_WAITING(r, MPI_Bcast(&first, (int)sizeof first, MPI_BYTE, failing, r->comm));
+    WAITING(r, MPI_Bcast(&first, (int)sizeof first, MPI_BYTE, failing, r->comm));
     if (err) {
         first.calls = err->calls;
         *err = first;
@@ -195,7 +215,7 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
     all.most = all.least;
     if (t)
         all.tally = *t;
-    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &all, 1, r->agreement, r->merge, r->comm));
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &all, 1, r->agreement, r->merge, r->comm));
     if (all.least != all.most)
         return error_set(
             err, DUET_STATUS_BAD_ARGUMENT,
@@ -215,7 +235,7 @@ void ranks_await_end(ranks *r, const char *call)
 
 void ranks_wait(ranks *r)
 {
-    RANKS_WAITING(r, MPI_Barrier(r->comm));
+    WAITING(r, MPI_Barrier(r->comm));
 }
 
 // Until all are here, leaving the processors to others: a rank that waits in MPI itself keeps one
@@ -231,30 +251,30 @@ static void rest(MPI_Comm comm)
 
 void ranks_sum(ranks *r, uint64_t *values, int n)
 {
-    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_SUM, r->comm));
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_SUM, r->comm));
 }
 
 void ranks_least(ranks *r, uint64_t *values, int n)
 {
-    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_MIN, r->comm));
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, values, n, MPI_UINT64_T, MPI_MIN, r->comm));
 }
 
 double ranks_greatest(ranks *r, double value)
 {
-    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, r->comm));
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, r->comm));
     return value;
 }
 
 uint64_t ranks_sum_before(ranks *r, uint64_t value)
 {
     uint64_t before = 0;
-    RANKS_WAITING(r, MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, r->comm));
+    WAITING(r, MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, r->comm));
     return r->self == 0 ? 0 : before; // which MPI leaves open
 }
 
 void ranks_gather(ranks *r, const void *own, void *all, int bytes)
 {
-    RANKS_WAITING(r, MPI_Allgather(own, bytes, MPI_BYTE, all, bytes, MPI_BYTE, r->comm));
+    WAITING(r, MPI_Allgather(own, bytes, MPI_BYTE, all, bytes, MPI_BYTE, r->comm));
 }
 
 void ranks_broadcast(ranks *r, void *of_rank_0, uint64_t bytes)
@@ -262,7 +282,7 @@ void ranks_broadcast(ranks *r, void *of_rank_0, uint64_t bytes)
     unsigned char *at = of_rank_0;
     while (bytes > 0) {
         int now = bytes < INT_MAX ? (int)bytes : INT_MAX;
-        RANKS_WAITING(r, MPI_Bcast(at, now, MPI_BYTE, 0, r->comm));
+        WAITING(r, MPI_Bcast(at, now, MPI_BYTE, 0, r->comm));
         at += now;
         bytes -= (uint64_t)now;
     }
@@ -288,15 +308,15 @@ char *ranks_broadcast_text(ranks *r, const char *of_rank_0, duet_error *err)
 void ranks_await_turn(ranks *r, bool has_work)
 {
     int first = has_work ? r->self_on_host : r->n_on_host;
-    RANKS_WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, r->host));
+    WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, r->host));
     if (first != r->self_on_host)
-        RANKS_WAITING(r, rest(r->host));
+        WAITING(r, rest(r->host));
     r->goes_first = first == r->self_on_host;
 }
 
 void ranks_end_turn(ranks *r)
 {
     if (r->goes_first)
-        RANKS_WAITING(r, rest(r->host));
+        WAITING(r, rest(r->host));
     r->goes_first = false;
 }

@@ -7,7 +7,6 @@
 #ifndef CLUSTER_RANKS_H
 #define CLUSTER_RANKS_H
 
-#include "base/clock.h"
 #include "duet_error.h"
 
 #include <mpi.h>
@@ -61,16 +60,13 @@ void ranks_unshare(MPI_Win *window);
 // How long the job has run, for this rank. Tests put a clock of their own in its place.
 extern uint64_t (*ranks_now_ns)(void);
 
-// For parcels.c: a statement in which this rank may have to wait.
-#define RANKS_WAITING(r, statement)                    \
-    do {                                               \
-        uint64_t begun_ns_ = ranks_now_ns();           \
-        uint64_t spun_ns_ = clock_process_ns();        \
-        statement;                                     \
-        ++(r)->n_waits;                                \
-        (r)->wait_ns += ranks_now_ns() - begun_ns_;    \
-        (r)->spun_ns += clock_process_ns() - spun_ns_; \
-    } while (0)
+// For parcels.c: the times around a call in which this rank may have to wait.
+typedef struct rank_wait {
+    uint64_t begun_ns, spun_ns;
+} rank_wait;
+
+rank_wait ranks_begin_wait(void);
+void ranks_end_wait(ranks *r, rank_wait wait);
 
 // Every rank's err, unless NULL, becomes the err of the failing rank. Returns false.
 bool ranks_fail(ranks *r, int failing, duet_error *err);

@@ -3,6 +3,7 @@
 #include "cluster/cluster.h"
 
 #include "base/error.h"
+#include "runtime/opencl/thread_pool.h"
 
 #include <math.h>
 
@@ -21,13 +22,13 @@ static void search_set_now(void *search)
 }
 
 // Begins to search a set, by a thread of `beside`; NULL: at once.
-static void begin_search(duet_cluster *c, int i, parallel *beside)
+static void begin_search(duet_cluster *c, int i, thread_pool *beside)
 {
     set_search *s = &c->searches[i];
     *s = (set_search){.set = &c->sets[i], .worker = c->workers[i], .beside = beside};
     s->counts = !lists_copies(c);
     if (beside)
-        parallel_call_begin(beside, search_set_now, s);
+        thread_pool_begin_call(beside, search_set_now, s);
     else
         search_set_now(s);
 }
@@ -36,7 +37,7 @@ static void begin_search(duet_cluster *c, int i, parallel *beside)
 static bool end_search(set_search *s, duet_error *err)
 {
     if (s->beside)
-        parallel_call_end(s->beside);
+        thread_pool_end_call(s->beside);
     s->beside = NULL;
     return s->ok || error_copy(err, &s->err);
 }
@@ -89,7 +90,7 @@ void cluster_choose_search(duet_cluster *c, bool may_overlap)
         return;
     c->search = SEARCH_OVERLAPPED;
     follow(c);
-    begin_search(c, 0, &c->threads);
+    begin_search(c, 0, c->threads.team);
 }
 
 bool cluster_fill_sets(duet_cluster *c, duet_error *err)
@@ -109,7 +110,7 @@ static bool search_overlapped(duet_cluster *c, duet_error *err)
 {
     bool ok = is_well(err);
     if (ok && !c->searches[0].beside)
-        begin_search(c, 0, &c->threads);
+        begin_search(c, 0, c->threads.team);
     if (ok)
         begin_search(c, 1, NULL);
     ok = ok && end_search(&c->searches[1], err);
@@ -130,7 +131,7 @@ static bool copy_domain(duet_cluster *c, int i, uint32_t d, duet_error *err)
 static bool search_copies(duet_cluster *c, duet_error *err)
 {
     uint32_t n = c->owned.n_domains;
-    parallel *beside = c->ranks.simulation ? NULL : &c->threads;
+    thread_pool *beside = c->ranks.simulation ? NULL : c->threads.team;
     bool ok = copy_domain(c, 0, 0, err);
     for (uint32_t d = 0; ok && d < n; ++d) {
         int now = (int)(d % 2);

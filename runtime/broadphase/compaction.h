@@ -66,9 +66,4 @@ bool compaction_start(compaction *c, const grid_objects *objects, const grid *g,
 // Ends the waits of both devices and of the threads; the lists are not whole then.
 void compaction_cancel(compaction *c);
 
-// Makes the view equal to the wanted LIST: sends it while the threads find it, unless the view has
-// it. The view has no list afterwards if the slab has more objects than were expected.
-bool view_update_list(device_view *v, timeline *t, compaction *c, int side, uint64_t generation,
-                      const selection *wanted, duet_error *err);
-
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A part's buffers, and the arguments of its kernels.
+// A part's buffers, the arguments of its kernels, and its states.
 #include "runtime/broadphase/part.h"
 
 #include "runtime/opencl/device_pair.h"
@@ -146,12 +146,40 @@ void part_close(part *p)
     *p = (part){0};
 }
 
+// ---------------------------------------------------------------- states
+
+void part_begin(part *p, const host_array *objects, uint64_t step)
+{
+    if (objects->n > 0 && view_is_prefetched(&p->objects) &&
+        p->objects.generation == objects->generation)
+        return;
+    p->objects.n_chunks = 0;
+    timeline_begin_step(&p->times, p->device, step);
+    p->result = (part_result){.found.first_bad = UINT32_MAX};
+}
+
 void part_enter(part *p, part_state to)
 {
     assert(p->state == PART_BEGUN || p->state == PART_HAS_GRID || to == PART_BEGUN);
     assert(to != PART_HAS_GRID || p->state == PART_BEGUN);
     assert(to != PART_DONE || p->state == PART_HAS_GRID);
     p->state = to;
+}
+
+void part_take(part *p, const part_task *task)
+{
+    part_enter(p, PART_BEGUN);
+    p->err = (duet_error){0};
+    p->task = *task;
+}
+
+void part_invalidate(part *p)
+{
+    device_view *views[] = {&p->objects, &p->sizes, &p->levels, &p->global_ids};
+    timeline_clear(&p->times);
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i)
+        view_forget(views[i]);
+    p->zero_words = 0;
 }
 
 void part_forget_grid(part *p)

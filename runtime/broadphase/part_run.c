@@ -4,32 +4,6 @@
 
 #include "base/clock.h"
 
-void part_begin(part *p, const host_array *objects, uint64_t step)
-{
-    if (objects->n > 0 && view_is_prefetched(&p->objects) &&
-        p->objects.generation == objects->generation)
-        return;
-    p->objects.n_chunks = 0;
-    timeline_begin_step(&p->times, p->device, step);
-    p->result = (part_result){.found.first_bad = UINT32_MAX};
-}
-
-void part_invalidate(part *p)
-{
-    device_view *views[] = {&p->objects, &p->sizes, &p->levels, &p->global_ids};
-    timeline_clear(&p->times);
-    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i)
-        view_forget(views[i]);
-    p->zero_words = 0;
-}
-
-void part_take(part *p, const part_task *task)
-{
-    part_enter(p, PART_BEGUN);
-    p->err = (duet_error){0};
-    p->task = *task;
-}
-
 static bool get_grid(part *p, duet_error *err)
 {
     bool ok =

@@ -26,6 +26,8 @@
 #include "runtime/broadphase/grid_objects.h"
 #include "runtime/opencl/timeline.h"
 
+struct compaction;
+
 // Rows [from, to).
 typedef struct row_span {
     uint32_t from, to;
@@ -88,5 +90,10 @@ bool view_continues(const device_view *v, const host_array *from, const selectio
 // that travel beside the kernels; 0: kernels wait for all rows.
 bool view_update(device_view *v, timeline *t, const host_array *from, const selection *wanted,
                  uint32_t chunk, duet_error *err);
+
+// Makes the view equal to the wanted LIST: sends it while the threads find it, unless the view has
+// it. The view has no list afterwards if the slab has more objects than were expected.
+bool view_update_list(device_view *v, timeline *t, struct compaction *c, int side,
+                      uint64_t generation, const selection *wanted, duet_error *err);
 
 #endif

@@ -190,9 +190,9 @@ static bool make_by_team(duet_motion *m, const kernel *k, uint32_t work, uint64_
 
 static bool put_rows(duet_motion *m, duet_error *err)
 {
-    if (team_takes(m->kernels.make_rows))
-        return make_by_team(m, m->kernels.make_rows, m->graph.n_pairs,
-                            most_contacts(m, m->graph.n_pairs), err);
+    const kernel *k = m->kernels.make_rows;
+    if (k && k->groups == GROUPS_TEAM)
+        return make_by_team(m, k, m->graph.n_pairs, most_contacts(m, m->graph.n_pairs), err);
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err);
 }
@@ -224,11 +224,11 @@ static bool reserve_contacts(duet_motion *m, duet_error *err)
 
 static bool fill_returns(duet_motion *m, duet_error *err)
 {
+    const kernel *k = m->kernels.make_returns;
     if (!reserve_contacts(m, err))
         return false;
-    if (team_takes(m->kernels.make_returns))
-        return make_by_team(m, m->kernels.make_returns, m->graph.n_contacts, m->graph.n_contacts,
-                            err);
+    if (k && k->groups == GROUPS_TEAM)
+        return make_by_team(m, k, m->graph.n_contacts, m->graph.n_contacts, err);
     return clear_starts(m, RETURN_STARTS, err) && put_returns(m, 0, err) &&
            scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
            sort_rows(m, RETURN_STARTS, RETURNS, err);

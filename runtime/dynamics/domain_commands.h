@@ -3,7 +3,7 @@
 #ifndef RUNTIME_DOMAIN_COMMANDS_H
 #define RUNTIME_DOMAIN_COMMANDS_H
 
-#include "runtime/dynamics/motion.h"
+#include "runtime/duet.h"
 
 // The ends of states, so many bytes one behind the other.
 typedef struct domain_left {

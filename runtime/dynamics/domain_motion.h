@@ -47,11 +47,6 @@ void domain_centre(const duet_motion *m, const char *state, double at[3]);
 bool domain_read_states(duet_motion *m, const uint32_t *places, uint32_t n, char *states,
                         duet_error *err);
 
-// Reads the bounds that the next step has, [n][6]: those before it, while bodies are within them
-// and they are not forgotten.
-bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err);
-void domain_forget_bounds(duet_motion *m);
-
 // Whether a contact's record of n points pushed in the last step.
 bool domain_was_pushed(const duet_motion *m, const float *record, uint32_t n);
 
@@ -144,8 +139,10 @@ bool domain_replace_bodies(duet_motion *m, const domain_bodies *b, const domain_
 // Says where the body is that carries the mesh, which each domain has.
 void domain_set_carrier(duet_motion *m, uint32_t place);
 
-// Makes the bounds that the next step has.
+// Makes the bounds that the next step has: those before it, while bodies are within them and they
+// are not forgotten.
 bool domain_make_bounds(duet_motion *m, duet_error *err);
+void domain_forget_bounds(duet_motion *m);
 
 // Makes rows of the contacts that bodies were replaced with: then two motions of the same bodies
 // and contacts are saved as the same bytes. Bodies that do not touch yet are in none of them,

@@ -6,6 +6,7 @@
 
 #include "base/compare.h"
 #include "base/list.h"
+#include "runtime/dynamics/motion.h"
 
 #include <math.h>
 #include <stdlib.h>

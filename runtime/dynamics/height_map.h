@@ -3,7 +3,7 @@
 #ifndef RUNTIME_HEIGHT_MAP_H
 #define RUNTIME_HEIGHT_MAP_H
 
-#include "runtime/dynamics/motion.h"
+#include "runtime/duet.h"
 
 // A body by its bounds in the plane below it. Axes past n_flat are 0.
 typedef struct block {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A motion answers between steps, says what each of its buffers holds by object, and makes space
-// for that.
+// A motion answers between steps, says what each of its buffers holds by object, makes space for
+// that, and says what each effect costs.
 #include "runtime/dynamics/motion.h"
 
 #include "base/error.h"
@@ -73,15 +73,6 @@ bool motion_has_doubles(const duet_motion *m, motion_buffer which)
     return by_object[which].reals > 0 && m->def.doubles;
 }
 
-uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect)
-{
-    uint32_t words = 0;
-    for (int which = 0; which < MOTION_BUFFERS; ++which)
-        if (by_object[which].effect == effect)
-            words += motion_words(m, (motion_buffer)which);
-    return words * (uint32_t)sizeof(uint32_t);
-}
-
 // ---------------------------------------------------------------- buffers
 
 // A buffer that must grow gets more than it needs now: fresh pages cost as much time as
@@ -144,4 +135,47 @@ bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err)
     for (int which = 0; ok && which < MOTION_BUFFERS; ++which)
         ok = motion_grow_rows(m, (motion_buffer)which, old_n, err);
     return ok;
+}
+
+// ---------------------------------------------------------------- costs
+
+// Bytes of state that an object has for an effect.
+static uint32_t bytes_for(const duet_motion *m, uint32_t effect)
+{
+    uint32_t words = 0;
+    for (int which = 0; which < MOTION_BUFFERS; ++which)
+        if (by_object[which].effect == effect)
+            words += motion_words(m, (motion_buffer)which);
+    return words * (uint32_t)sizeof(uint32_t);
+}
+
+// No effect, for it changes how positions are kept and nothing of what happens.
+static bool explain_origin(const duet_motion *m, duet_effect_info *info)
+{
+    *info = (duet_effect_info){
+        .name = "origin",
+        .active = m->cells && m->effects,
+        .called_by = "origin = \"cell\"",
+        .kernels = "integrate_free_flight, bodies, fat_aabbs, build_manifolds",
+        .bytes = motion_words(m, CELLS) * (uint32_t)sizeof(uint32_t),
+    };
+    return true;
+}
+
+bool duet_motion_explain(const duet_motion *m, uint32_t i, duet_effect_info *info)
+{
+    const effect_row *row = effect_at(i);
+    if (!m || !info)
+        return false;
+    if (!row)
+        return i > 0 && effect_at(i - 1) && explain_origin(m, info);
+    bool active = (m->effects & row->effect);
+    *info = (duet_effect_info){
+        .name = row->name,
+        .active = active,
+        .called_by = row->called_by,
+        .kernels = row->kernels,
+        .bytes = active ? bytes_for(m, row->effect) : 0,
+    };
+    return true;
 }

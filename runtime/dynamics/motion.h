@@ -163,9 +163,6 @@ uint32_t motion_words(const duet_motion *m, motion_buffer which);
 // Whether a buffer has reals by object, and these are doubles.
 bool motion_has_doubles(const duet_motion *m, motion_buffer which);
 
-// Bytes of state that an object has for an effect.
-uint32_t motion_bytes_for(const duet_motion *m, uint32_t effect);
-
 // Makes space for all n objects, of which the first old_n have it. The state of the others becomes
 // 0; the device may still be writing that on return.
 bool motion_grow(duet_motion *m, uint32_t old_n, duet_error *err);

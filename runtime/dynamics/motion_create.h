@@ -3,7 +3,7 @@
 #ifndef RUNTIME_MOTION_CREATE_H
 #define RUNTIME_MOTION_CREATE_H
 
-#include "runtime/dynamics/motion.h"
+#include "runtime/duet.h"
 
 // The objects of a motion: poses, or with origin cells large_poses [n]; the other is NULL.
 duet_motion *motion_create(const duet_motion_def *def, const duet_pose *poses,

@@ -303,16 +303,15 @@ static bool choose_kernels(duet_motion *m, duet_error *err)
 bool motion_colours_at_once(const duet_motion *m)
 {
     const kernel *k = m->kernels.colour_contacts;
-    if (!k)
-        return false;
-    return kernel_param(k, "MEET") == 1 ||
-           (team_takes(k) && m->kernels.graph_colour_mark->group == 1);
+    return k && (k->groups == GROUPS_MEET ||
+                 (k->groups == GROUPS_TEAM && m->kernels.graph_colour_mark->group == 1));
 }
 
 // A plan that sets how contacts are solved is obeyed by launches of their own.
 bool motion_team_solves(const motion_kernels *k)
 {
-    return team_takes(k->solve_substeps) && team_takes(k->solve_contacts) &&
+    return k->solve_substeps && k->solve_substeps->groups == GROUPS_TEAM &&
+           k->solve_contacts->groups == GROUPS_TEAM &&
            kernel_param(k->solve_contacts, "LANES") == kernel_param(k->solve_substeps, "LANES");
 }
 

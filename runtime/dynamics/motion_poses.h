@@ -4,7 +4,8 @@
 #ifndef RUNTIME_MOTION_POSES_H
 #define RUNTIME_MOTION_POSES_H
 
-#include "runtime/dynamics/motion.h"
+#include "runtime/duet.h"
+#include "runtime/opencl/buffer.h"
 
 // Whether some body has a radius, or had one; poses are the cores then.
 bool motion_has_radii(const duet_motion *m);

@@ -470,13 +470,6 @@ bool domain_make_bounds(duet_motion *m, duet_error *err)
     return m->n == 0 || !m->kernels.compute_fat_aabbs || ensure(m, PRODUCT_BOUNDS, err);
 }
 
-bool domain_read_bounds(duet_motion *m, float *bounds, duet_error *err)
-{
-    return domain_make_bounds(m, err) &&
-           (m->n == 0 ||
-            motion_fetch(m, "fat_aabbs", BOXES, 0, bounds, m->n * 6 * sizeof *bounds, err));
-}
-
 // Without pairs that a domain would search for, too.
 bool domain_fly(duet_motion *m, duet_error *err)
 {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/dynamics/recorded_steps.h"
 
+#include "runtime/dynamics/motion.h"
+
 #include <assert.h>
 
 static_assert(sizeof(recorded) == 16, "no byte of a file is left to chance");

@@ -5,7 +5,7 @@
 #define RUNTIME_RECORDED_STEPS_H
 
 #include "base/text.h"
-#include "runtime/dynamics/motion.h"
+#include "runtime/duet.h"
 
 // Begins each record.
 typedef struct recorded {

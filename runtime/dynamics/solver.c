@@ -92,8 +92,8 @@ static bool launch_each(duet_motion *m, const kernel *k, duet_error *err)
 
 static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
 {
-    return team_takes(k) ? launch_team(m, k, 0, end_of_colours(&m->solver), err)
-                         : launch_each(m, k, err);
+    return k->groups == GROUPS_TEAM ? launch_team(m, k, 0, end_of_colours(&m->solver), err)
+                                    : launch_each(m, k, err);
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
@@ -165,7 +165,7 @@ enum {
 // Contacts of a colour, or bodies that take as long as those.
 static uint32_t most_work(const duet_motion *m, const kernel *k)
 {
-    const uint32_t each = kernel_param(k, "MEET") == 1 ? BODIES_OF_MEETING : BODIES_OF_ONE;
+    const uint32_t each = k->groups == GROUPS_MEET ? BODIES_OF_MEETING : BODIES_OF_ONE;
     const uint32_t contacts = most_of(&m->solver, 0, COLOUR_OVERFLOW);
     const uint32_t bodies = (m->awake.n_bodies + each - 1) / each;
     return contacts > bodies ? contacts : bodies;
@@ -176,7 +176,7 @@ static uint32_t most_work(const duet_motion *m, const kernel *k)
 static bool have_space(const duet_motion *m, const kernel *k)
 {
     const uint64_t takes = (uint64_t)k->group * k->per_item;
-    if (kernel_param(k, "MEET") == 1)
+    if (k->groups == GROUPS_MEET)
         return most_work(m, k) <= CONTACTS_OF_ONE * takes * team_most_groups(m, k);
     return most_work(m, k) <= takes && m->awake.n_bodies <= SOLVER_FEW &&
            m->solver.colours[COLOUR_OVERFLOW].count == 0;
@@ -184,7 +184,7 @@ static bool have_space(const duet_motion *m, const kernel *k)
 
 static bool takes_substeps(const duet_motion *m, const kernel *k)
 {
-    return k && (team_takes(k) ? motion_team_solves(&m->kernels) : have_space(m, k));
+    return k && (k->groups == GROUPS_TEAM ? motion_team_solves(&m->kernels) : have_space(m, k));
 }
 
 // Takes passes (solve_substeps.cl).
@@ -195,7 +195,7 @@ static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32
     s->from_pass = from;
     s->to_pass = to;
     s->to_colour = m->graph.n_contacts > 0 ? COLOUR_OVERFLOW + 1 : 0;
-    if (!team_takes(k) && !kernel_param(k, "MEET"))
+    if (k->groups == GROUPS_APART)
         return motion_launch(m, "solve_contacts", k, 1, err);
     return team_launch(m, "solve_contacts", k, most_work(m, k),
                        k->group > 1 ? k->group : GROUP_LEAST, (to - from) * (1 + s->to_colour),
@@ -205,7 +205,7 @@ static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32
 // A team of several may lose members up to the end of a launch, which is then not that of the step.
 static uint32_t passes_at_once(const duet_motion *m, const kernel *k, uint32_t passes)
 {
-    return team_takes(k) && most_work(m, k) > GROUP_LEAST ? PASSES : passes;
+    return k->groups == GROUPS_TEAM && most_work(m, k) > GROUP_LEAST ? PASSES : passes;
 }
 
 // Shocks have given back all speed.
@@ -291,7 +291,8 @@ static bool launch_between(duet_motion *m, const kernel *k, uint32_t from, uint3
                            duet_error *err)
 {
     return most_of(&m->solver, from, to) == 0 ||
-           (team_takes(k) ? launch_team(m, k, from, to, err) : launch_below(m, k, from, to, err));
+           (k->groups == GROUPS_TEAM ? launch_team(m, k, from, to, err)
+                                     : launch_below(m, k, from, to, err));
 }
 
 // Launches a kernel for n contacts of a colour, from one that begins a block.
@@ -308,8 +309,9 @@ static bool launch_some(duet_motion *m, const kernel *k, uint32_t colour, uint32
     s->each = k->per_item;
     if (n == 0)
         return true;
-    return team_takes(k) ? team_launch(m, "solve_contacts", k, n, TEAM_LEAST_PART, 1, err)
-                         : motion_launch(m, "solve_contacts", k, n, err);
+    return k->groups == GROUPS_TEAM
+               ? team_launch(m, "solve_contacts", k, n, TEAM_LEAST_PART, 1, err)
+               : motion_launch(m, "solve_contacts", k, n, err);
 }
 
 // Returns the kernel of a pass. No sweep of a domain knows whether it is the last one.

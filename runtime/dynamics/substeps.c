@@ -1,7 +1,30 @@
 // SPDX-License-Identifier: MIT
+// Finds the column of bodies that needs the shortest substeps, in two passes over the blocks: from
+// below, how many layers lie under each; from above, where the weight of all that it bears presses.
 #include "runtime/dynamics/substeps.h"
 
+#include "base/error.h"
+#include "runtime/dynamics/height_map.h"
+#include "runtime/dynamics/motion.h"
+
 #include <math.h>
+#include <stdlib.h>
+
+typedef enum column_kind {
+    COLUMN_UPRIGHT,
+    COLUMN_LEANING, // its weight presses more than a tenth off the middle of what bears it
+} column_kind;
+
+// Bodies on each other. The edge is that of cubes as slender: width^2 / height, the least of an
+// upright column's bodies; of a leaning one twice the way from where its weight presses to the rim
+// of what bears it, squared, by the height of its lowest body.
+typedef struct column {
+    column_kind kind;
+    uint32_t layers; // 0: no body can stand
+    double edge;
+} column;
+
+// ---------------------------------------------------------------- what a column needs
 
 // A column of N bodies stands if its springs hold it alone, or if it keeps the levers that it has
 // upright and sways too slowly to fall: then it may be as tall as stands with springs a tenth as
@@ -40,6 +63,168 @@ static double stiffness_for(const duet_motion *m, const column *c)
     return fmin(plain, fmax(sway, sink));
 }
 
+// ---------------------------------------------------------------- columns
+
+// How far off the middle the weight of an upright column presses, as a part of half the width.
+static const double upright = 0.1;
+
+// Bodies that are thrown down at random touch here and there, but not three above each other.
+enum { LEAST_LEANING = 3 };
+
+// The weight of a block and of all that it bears, and where it presses.
+typedef struct load {
+    uint32_t layers; // from the block upwards
+    double mass, moment[2];
+} load;
+
+// The least rectangle about all places of contact of a block with its supports.
+typedef struct footing {
+    double from[2], to[2];
+} footing;
+
+static footing overlap(const block *a, const block *b)
+{
+    footing f;
+    for (int k = 0; k < 2; ++k) {
+        f.from[k] = fmax(a->at[k] - a->reach[k] + a->radius, b->at[k] - b->reach[k] + b->radius);
+        f.to[k] = fmin(a->at[k] + a->reach[k] - a->radius, b->at[k] + b->reach[k] - b->radius);
+    }
+    return f;
+}
+
+static footing footing_of(const height_map *map, const support *s, uint64_t n)
+{
+    footing all = overlap(&map->blocks[s[0].upper], &map->blocks[s[0].lower]);
+    for (uint64_t i = 1; i < n; ++i) {
+        footing f = overlap(&map->blocks[s[i].upper], &map->blocks[s[i].lower]);
+        for (int k = 0; k < 2; ++k) {
+            all.from[k] = fmin(all.from[k], f.from[k]);
+            all.to[k] = fmax(all.to[k], f.to[k]);
+        }
+    }
+    return all;
+}
+
+// Kind upright: it does not lean, or nothing can hold it.
+static column leaning(const height_map *map, const block *b, const load *l, const footing *f)
+{
+    double least = INFINITY, lean = 0.0;
+    for (uint32_t k = 0; k < map->n_flat; ++k) {
+        double half = 0.5 * (f->to[k] - f->from[k]);
+        double off = fabs(l->moment[k] / l->mass - 0.5 * (f->to[k] + f->from[k]));
+        least = fmin(least, half - off);
+        lean = fmax(lean, off / half);
+    }
+    if (l->layers < LEAST_LEANING || !(least > 0.0) || lean <= upright)
+        return (column){0};
+    return (column){COLUMN_LEANING, l->layers, 4.0 * least * least / (b->top - b->bottom)};
+}
+
+// On one support the weight presses where its centre is; on several in the middle of each, in equal
+// parts.
+static void hand_down(const height_map *map, const load *l, const support *s, uint64_t n,
+                      load *loads)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        footing f = overlap(&map->blocks[s[i].upper], &map->blocks[s[i].lower]);
+        load *lower = &loads[s[i].lower];
+        double mass = l->mass / (double)n;
+        lower->mass += mass;
+        for (int k = 0; k < 2; ++k)
+            lower->moment[k] +=
+                mass * (n == 1 ? l->moment[k] / l->mass : 0.5 * (f.from[k] + f.to[k]));
+        if (l->layers >= lower->layers)
+            lower->layers = l->layers + 1;
+    }
+}
+
+// Touches all that it stands on, and is pressed into none of it.
+static bool lies(const height_map *map, const support *s, uint64_t n, double margin)
+{
+    bool all = n > 0;
+    for (uint64_t i = 0; i < n; ++i)
+        all = all && map->blocks[s[i].upper].bottom - map->blocks[s[i].lower].top >= -margin;
+    return all;
+}
+
+typedef struct finding {
+    const duet_motion *m;
+    column *found;
+} finding;
+
+static void consider(const finding *f, const column *c)
+{
+    if (f->found->layers == 0 || stiffness_for(f->m, c) > stiffness_for(f->m, f->found))
+        *f->found = *c;
+}
+
+// The most layers and the least edge of all that a block stands on.
+static void find_upright(const height_map *map, column *columns, const finding *f)
+{
+    uint64_t i = 0;
+    for (uint32_t place = 0; place < map->n; ++place) {
+        column *c = &columns[place];
+        *c = (column){COLUMN_UPRIGHT, map->blocks[place].mass > 0.0, map->blocks[place].edge};
+        for (; i < map->n_supports && map->supports[i].upper == place; ++i) {
+            const column *below = &columns[map->supports[i].lower];
+            if (below->layers == 0)
+                continue;
+            if (below->layers >= c->layers)
+                c->layers = below->layers + 1;
+            c->edge = fmin(c->edge, below->edge);
+        }
+        if (c->layers > 0)
+            consider(f, c);
+    }
+}
+
+static void find_leaning(const height_map *map, load *loads, const finding *f)
+{
+    uint64_t end = map->n_supports;
+    for (uint32_t place = map->n; place-- > 0;) {
+        const block *b = &map->blocks[place];
+        load *l = &loads[place];
+        uint64_t n = 0;
+        for (; end > 0 && map->supports[end - 1].upper == place; --end)
+            ++n;
+        const support *s = &map->supports[end];
+        if (!lies(map, s, n, f->m->margin))
+            continue;
+        l->layers += l->layers == 0;
+        l->mass += b->mass;
+        for (int k = 0; k < 2; ++k)
+            l->moment[k] += b->mass * b->at[k];
+        const footing under = footing_of(map, s, n);
+        const column c = leaning(map, b, l, &under);
+        if (c.layers > 0)
+            consider(f, &c);
+        hand_down(map, l, s, n, loads);
+    }
+}
+
+// Finds the column that needs the shortest substeps.
+static bool find_column(const duet_motion *m, column *found, duet_error *err)
+{
+    height_map map;
+    *found = (column){0};
+    bool ok = height_map_open(&map, m);
+    column *columns = malloc(((size_t)map.n + 1) * sizeof *columns);
+    load *loads = calloc((size_t)map.n + 1, sizeof *loads);
+    ok = ok && columns && loads;
+    if (ok) {
+        const finding f = {m, found};
+        find_upright(&map, columns, &f);
+        find_leaning(&map, loads, &f);
+    }
+    free(loads);
+    free(columns);
+    height_map_close(&map);
+    return ok ||
+           error_set(err, DUET_STATUS_NO_MEMORY, "no memory to see how %u bodies stand", m->n);
+}
+
+// ---------------------------------------------------------------- substeps
+
 static uint32_t substeps_for(const duet_motion *m, const column *c)
 {
     return (uint32_t)fmax(LEAST, fmin(MOST, substeps_of(m, stiffness_for(m, c))));
@@ -52,7 +237,7 @@ bool motion_choose_substeps(duet_motion *m, duet_error *err)
         return true;
     column tallest = {0};
     bool falls = (m->effects & all) == all && m->def.attraction == 0.0;
-    if (falls && !column_find(m, stiffness_for, &tallest, err))
+    if (falls && !find_column(m, &tallest, err))
         return false;
     m->def.substeps = substeps_for(m, &tallest);
     m->substeps = (duet_substep_info){.substeps = m->def.substeps,

@@ -4,7 +4,7 @@
 #ifndef RUNTIME_SUBSTEPS_H
 #define RUNTIME_SUBSTEPS_H
 
-#include "runtime/dynamics/column.h"
+#include "runtime/duet.h"
 
 // Sets the def's substeps where they are left to the motion, and notes why. Needs effects and
 // margin.

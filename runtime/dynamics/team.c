@@ -3,11 +3,6 @@
 
 #include "runtime/dynamics/motion.h"
 
-bool team_takes(const kernel *k)
-{
-    return k && k->group == 1 && kernel_param(k, "TEAM") == 1;
-}
-
 // Numbers of stages begin anew before they have no next one.
 static bool reserve_stages(duet_motion *m, uint32_t n_stages, duet_error *err)
 {

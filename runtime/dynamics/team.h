@@ -4,7 +4,6 @@
 #ifndef RUNTIME_TEAM_H
 #define RUNTIME_TEAM_H
 
-#include "base/error.h"
 #include "runtime/opencl/program.h"
 
 typedef struct motion_team {
@@ -12,8 +11,6 @@ typedef struct motion_team {
 } motion_team;
 
 struct duet_motion;
-
-bool team_takes(const kernel *k);
 
 // Groups of a kernel that run at once: one on each unit of a CPU, or as many as a GPU's units have
 // registers for.

@@ -156,6 +156,13 @@ static program *find_or_add(program_set *set, const gen_variant *variant, duet_e
     return p;
 }
 
+static kernel_groups groups_of(const kernel *k)
+{
+    return kernel_param(k, "MEET") == 1                    ? GROUPS_MEET
+           : k->group == 1 && kernel_param(k, "TEAM") == 1 ? GROUPS_TEAM
+                                                           : GROUPS_APART;
+}
+
 static kernel *find_or_add_entry(const program_set *set, program *p, const char *entry,
                                  const gen_variant *variant, const launcher *l, duet_error *err)
 {
@@ -174,6 +181,7 @@ static kernel *find_or_add_entry(const program_set *set, program *p, const char 
     k->n_axes = variant->n_axes;
     memcpy(k->more, variant->more, sizeof k->more);
     snprintf(k->name, sizeof k->name, "%s", variant->name);
+    k->groups = groups_of(k);
     snprintf(p->entries[p->n_entries].entry, sizeof p->entries[0].entry, "%s", entry);
     ++p->n_entries;
     return k;

@@ -11,10 +11,18 @@
 #include "runtime/opencl/device.h"
 #include "runtime/opencl/launcher.h"
 
+// How the groups of a launch go through its stages, by the parameters TEAM and MEET of its card.
+typedef enum kernel_groups {
+    GROUPS_APART, // each alone
+    GROUPS_TEAM,  // together, one work-item each (kernels/dynamics/team.clh)
+    GROUPS_MEET   // together, all at once on a GPU (kernels/dynamics/meet.clh)
+} kernel_groups;
+
 // An entry point of a variant.
 typedef struct kernel {
     cl_kernel cl;      // NULL before it is built
     bool spare;        // never launched, as the asker found: it is not built
+    kernel_groups groups;
     uint32_t group;    // work-items a group
     uint32_t per_item; // objects, pairs or values a work-item does
     uint32_t n_axes;   // in a launch

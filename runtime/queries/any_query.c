@@ -11,12 +11,6 @@ any_query *any_query_create(duet_tree *tree, const any_query_def *def, duet_erro
     return tree_query_create(tree, kinds[def->name.item], def, err);
 }
 
-bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *found,
-                   duet_error *err)
-{
-    return tree_query_run(q, items, n, found, err);
-}
-
 size_t query_hit_bytes(query_item item)
 {
     return kinds[item]->hit_words * sizeof(uint32_t);

@@ -29,7 +29,8 @@ typedef struct any_query_def {
 any_query *any_query_create(duet_tree *tree, const any_query_def *def, duet_error *err);
 void any_query_destroy(any_query *q); // NULL is fine
 
-// n items as the public call takes them, of the tree's kind.
+// n items as the public call takes them, of the tree's kind. BAD_OBJECT names the first that the
+// kernel takes for none.
 bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *found,
                    duet_error *err);
 

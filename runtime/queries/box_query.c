@@ -92,7 +92,7 @@ bool duet_box_query_run(duet_box_query *query, duet_object_kind kind, const void
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
         !tree_takes(((tree_query *)query)->tree, kind, err) ||
-        !tree_query_run((tree_query *)query, boxes, n, &found, err))
+        !any_query_run((tree_query *)query, boxes, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_box_query_result, duet_box_hit, found);
     return true;
@@ -119,7 +119,7 @@ bool any_query_run_itself(any_query *q, const duet_filter *filters, uint64_t n, 
     if (!own)
         return false;
     own->filters = filters;
-    return tree_query_run(own, own->tree->objects, n_objects, found, err);
+    return any_query_run(own, own->tree->objects, n_objects, found, err);
 }
 
 bool duet_box_query_run_itself(duet_box_query *query, const duet_filter *filters, uint64_t n,

@@ -83,7 +83,7 @@ static bool run(duet_point_query *query, const void *points, uint64_t n, bool fa
     query_result found;
     if (!error_given(query, call, "query", err) || !error_given(result, call, "result", err) ||
         !tree_query_is_far((tree_query *)query, far, err) ||
-        !tree_query_run((tree_query *)query, points, n, &found, err))
+        !any_query_run((tree_query *)query, points, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_point_query_result, duet_point_hit, found);
     return true;

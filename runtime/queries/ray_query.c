@@ -142,7 +142,7 @@ static bool run(duet_ray_query *query, const void *rays, uint64_t n, bool far, c
     query_result found;
     if (!error_given(query, call, "query", err) || !error_given(result, call, "result", err) ||
         !tree_query_is_far((tree_query *)query, far, err) ||
-        !tree_query_run((tree_query *)query, rays, n, &found, err))
+        !any_query_run((tree_query *)query, rays, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_ray_query_result, duet_ray_hit, found);
     result->normals = (const duet_ray_normal *)found.normals;

@@ -175,7 +175,7 @@ bool duet_sweep_query_run(duet_sweep_query *query, duet_object_kind kind, const 
     if (!error_given(query, __func__, "query", err) ||
         !error_given(result, __func__, "result", err) ||
         !tree_takes(((tree_query *)query)->tree, kind, err) ||
-        !tree_query_run((tree_query *)query, sweeps, n, &found, err))
+        !any_query_run((tree_query *)query, sweeps, n, &found, err))
         return false;
     *result = QUERY_RESULT(duet_sweep_query_result, duet_sweep_hit, found);
     return true;

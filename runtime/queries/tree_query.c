@@ -321,8 +321,8 @@ static bool take_items(tree_query *q, const void *items, uint64_t n, duet_error 
     return true;
 }
 
-bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *result,
-                    duet_error *err)
+bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *result,
+                   duet_error *err)
 {
     uint64_t begun = clock_steady_ns();
     const char *plural = q->kind->items;

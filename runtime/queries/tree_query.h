@@ -127,8 +127,4 @@ tree_query *tree_query_create(duet_tree *tree, const query_kinds kinds, const an
 // BAD_ARGUMENT unless the tree is in origin cells, or with far false is not.
 bool tree_query_is_far(const tree_query *q, bool far, duet_error *err);
 
-// n items of 4 item_words bytes. BAD_OBJECT names the first that the kernel takes for none.
-bool tree_query_run(tree_query *q, const void *items, uint64_t n, query_result *result,
-                    duet_error *err);
-
 #endif

@@ -10,7 +10,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdatomic.h>
 #include <unistd.h>
 
 // ---------------------------------------------------------------- levels
@@ -247,40 +246,6 @@ FACT(rows_come_to_their_domains)
     }
     w->close(w);
     parallel_end(&team);
-}
-
-static void count_call(void *context)
-{
-    ++*(uint32_t *)context;
-}
-
-static void count_things(void *context, uint32_t part, uint64_t first, uint64_t end)
-{
-    (void)part;
-    atomic_fetch_add((_Atomic uint64_t *)context, end - first);
-}
-
-// Begun, and waited for, before, between and after loops, by threads that look for work or sleep.
-FACT(calls_are_made_beside_loops)
-{
-    enum { CALLS = 100, MANY = 1 << 13 };
-    static const uint32_t n_threads[] = {1, 2, 5};
-    for (uint32_t i = 0; i < sizeof n_threads / sizeof *n_threads; ++i) {
-        parallel team;
-        _Atomic uint64_t things = 0;
-        uint32_t calls = 0, loops = 0;
-        must(parallel_begin(&team, n_threads[i], 1, ERR));
-        for (uint32_t k = 0; k < CALLS; ++k) {
-            parallel_stay_awake(&team, k % 3 == 0);
-            parallel_call_begin(&team, count_call, &calls);
-            for (uint32_t loop = 0; loop < k % 4; ++loop, ++loops)
-                parallel_each(&team, MANY, count_things, &things);
-            parallel_call_end(&team);
-            MUST(calls == k + 1, "each call is made once");
-            MUST(things == (uint64_t)loops * MANY, "and loops whole");
-        }
-        parallel_end(&team);
-    }
 }
 
 JOB_MAIN(1, 20261122, "each rank places objects rightly")

@@ -64,11 +64,10 @@ FACT_OF_ONE(bodies_near_extents_are_listed)
     const moving_domain *d = &cluster->moving->domains[1];
     domain_near *near;
     uint32_t n, expected = 0;
-    float *bounds = malloc(6 * d->bodies.n * sizeof *bounds);
     bool *told = calloc(d->bodies.n, sizeof *told);
-    MUST(bounds && told, "memory");
+    MUST(told, "memory");
     must(domain_list_near(d->motion, extents[0], 2, &near, &n, ERR));
-    must(domain_read_bounds(d->motion, bounds, ERR));
+    float *bounds = kept_bounds_of(d);
     for (uint32_t i = 0; i < n; ++i) {
         MUST(near[i].place < d->bodies.n && !told[near[i].place], "a body is listed once");
         told[near[i].place] = true;

@@ -178,10 +178,17 @@ duet_cluster *two_domains_after_steps(const char *n, uint32_t colours, uint32_t 
     return cluster;
 }
 
+float *kept_bounds_of(const moving_domain *d)
+{
+    const size_t n = 6 * (size_t)d->bodies.n;
+    float *bounds = must(malloc((n + 1) * sizeof *bounds));
+    must(domain_make_bounds(d->motion, ERR));
+    must(n == 0 || motion_fetch(d->motion, "fat_aabbs", BOXES, 0, bounds, n * sizeof *bounds, ERR));
+    return bounds;
+}
+
 float *bounds_of(const moving_domain *d)
 {
-    float *bounds = must(malloc(6 * (d->bodies.n + 1) * sizeof *bounds));
     domain_forget_bounds(d->motion);
-    must(domain_read_bounds(d->motion, bounds, ERR));
-    return bounds;
+    return kept_bounds_of(d);
 }

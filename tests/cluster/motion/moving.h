@@ -49,7 +49,9 @@ void save_and_resume(duet_cluster *cluster, const moving_scene *s);
 // Two domains of this rank with boxes that fall.
 duet_cluster *two_domains_after_steps(const char *n, uint32_t colours, uint32_t steps);
 
-// The bounds of a domain's bodies, six numbers each, which the caller frees.
+// The bounds of a domain's bodies, six numbers each, which the caller frees: made anew, or those of
+// before while bodies are within them.
 float *bounds_of(const moving_domain *d);
+float *kept_bounds_of(const moving_domain *d);
 
 #endif
