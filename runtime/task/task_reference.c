@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/text_file.h"
-#include "gen/field.h"
+#include "gen/field_line.h"
 #include "gen/script.h"
 
 #include <inttypes.h>
