@@ -22,13 +22,19 @@ bool body_states_read(body_states *b, duet_motion *motion, duet_error *err)
     b->states = calloc((size_t)n + 1, sizeof *b->states);
     b->boxes = calloc((size_t)n + 1, sizeof *b->boxes);
     b->ids = calloc((size_t)n + 1, sizeof *b->ids);
-    b->asleep = calloc((size_t)n + 1, sizeof *b->asleep);
-    if (!b->states || !b->boxes || !b->ids || !b->asleep)
+    if (!b->states || !b->boxes || !b->ids)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", n);
     return duet_motion_get_states(motion, b->states, err) &&
            duet_motion_get_rounded_boxes(motion, b->boxes, err) &&
-           duet_motion_get_ids(motion, 0, n, b->ids, err) &&
-           duet_motion_get_asleep(motion, b->asleep, err) && carry_mesh(b, err);
+           duet_motion_get_ids(motion, 0, n, b->ids, err) && carry_mesh(b, err);
+}
+
+bool body_states_read_asleep(body_states *b, duet_motion *motion, duet_error *err)
+{
+    b->asleep = calloc((size_t)b->n + 1, sizeof *b->asleep);
+    if (!b->asleep)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that sleep", b->n);
+    return duet_motion_get_asleep(motion, b->asleep, err);
 }
 
 void body_states_free(body_states *b)

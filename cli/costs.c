@@ -6,6 +6,7 @@
 #include "cli/interrupt.h"
 #include "cli/say.h"
 #include "runtime/scene/scene.h"
+#include "runtime/scene/scene_fields.h"
 #include "tuner/measure.h"
 
 #include <stdlib.h>

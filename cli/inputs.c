@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "runtime/broadphase/variant.h"
+#include "runtime/narrowphase/accuracy.h"
 #include "runtime/scene/scene.h"
 #include "runtime/task/task.h"
 
@@ -177,11 +178,6 @@ static bool change_mode(const plan_options *options, duet_mode *mode, duet_error
 {
     return !options->mode || mode_from_name(options->mode, mode) ||
            refuse_name(options->prefix, "mode", options->mode, "modes", mode_name, err);
-}
-
-static const char *level_name(int level)
-{
-    return level < DUET_LEVELS ? duet_level_get_info((duet_level)level)->name : NULL;
 }
 
 bool inputs_read_level(const char *name, duet_level *level, duet_error *err)

@@ -9,6 +9,7 @@
 #include "runtime/scene/shipped.h"
 #include "tuner/strategy.h"
 
+#include <float.h>
 #include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,11 +41,9 @@ static const char *find_path(lua_State *L, const char *path)
     return keep_string(L);
 }
 
-static void read_paths(lua_State *L, int table, config_workload *w)
+static void settle_paths(lua_State *L, config_workload *w)
 {
     shipped_scene shipped;
-    w->scene = field_string(L, table, "scene", NULL);
-    w->task = field_string(L, table, "task", NULL);
     if (!w->scene == !w->task)
         field_raise(L, "workloads", "a workload needs a scene or a task, the path of a file%s",
                     w->task ? "; this one has both" : "");
@@ -60,12 +59,12 @@ static int compare_strings(const void *a, const void *b)
 }
 
 // In order of their names: a table's own order changes from run to run.
-static void read_settings(lua_State *L, int table, config_workload *w)
+static void read_settings(lua_State *L, const field *f, void *at)
 {
-    if (!field_push(L, table, "set", LUA_TTABLE))
-        return;
-    int set = lua_gettop(L);
-    for (lua_pushnil(L); lua_next(L, set); lua_pop(L, 1)) {
+    config_workload *w = at;
+    if (!lua_istable(L, -1))
+        field_refuse(L, f, "a table");
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
         if (lua_type(L, -2) != LUA_TSTRING || w->n_settings == CONFIG_SETTINGS)
             field_raise(L, "set", "set is up to %d parameters of the scene or task, by name",
                         CONFIG_SETTINGS);
@@ -74,31 +73,35 @@ static void read_settings(lua_State *L, int table, config_workload *w)
         w->settings[w->n_settings++] = keep_string(L);
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
     qsort(w->settings, w->n_settings, sizeof w->settings[0], compare_strings);
 }
 
-static void read_query(lua_State *L, int table, config_workload *w)
+static const field workload_fields[] = {
+    FIELDS(config_workload, scene, task),
+    {.name = "set", .type = &(const field_type){.read = read_settings}},
+    FIELDS(config_workload, query),
+    FIELD_WITHIN(config_workload, , items, 0, UINT32_MAX, "a number of rays, boxes ... of a query"),
+    FIELD_WITHIN(config_workload, , steps, 2, UINT32_MAX, "a number of 2 or more"),
+    {.name = "n", .type = &field_unread},
+    {0},
+};
+
+static void check_query(lua_State *L, const config_workload *w)
 {
-    int64_t items = field_integer(L, table, "items", 0);
-    w->query = field_string(L, table, "query", NULL);
     if (w->task && w->query)
         field_raise(L, "query", "a task has no query; expected a scene");
-    if (items < 0 || items > UINT32_MAX || (items > 0 && !w->query))
+    if (w->items > 0 && !w->query)
         field_raise(L, "items", "items is a number of rays, boxes ... of a query");
-    w->items = (uint64_t)items;
-}
-
-static void read_steps(lua_State *L, int table, config_workload *w)
-{
-    int64_t steps = field_integer(L, table, "steps", 0);
-    if (steps < 0 || steps == 1 || steps > UINT32_MAX || (steps > 0 && (w->query || w->task)))
+    if (w->steps > 0 && (w->query || w->task))
         field_raise(L, "steps", "steps is a number of 2 or more, of a scene without a query");
-    w->steps = (uint32_t)steps;
 }
 
-static void add_workload(lua_State *L, tune_config *c, const config_workload *w, int64_t n)
+// n is on top of the stack.
+static void add_workload(lua_State *L, tune_config *c, const config_workload *w)
 {
+    int whole = 0;
+    lua_Integer n = lua_type(L, -1) == LUA_TNUMBER ? lua_tointegerx(L, -1, &whole) : 0;
+    n = lua_isnil(L, -1) ? -1 : whole ? n : -2;
     if (c->n_workloads == CONFIG_WORKLOADS)
         field_raise(L, "workloads", "at most %d workloads, each n counting", CONFIG_WORKLOADS);
     if (n < -1 || n > UINT32_MAX)
@@ -107,161 +110,150 @@ static void add_workload(lua_State *L, tune_config *c, const config_workload *w,
     c->workloads[c->n_workloads++].n = n;
 }
 
-static void read_workload(lua_State *L, int table, tune_config *c)
+// Number i of the list on top of the stack.
+static void read_workload(lua_State *L, lua_Integer i, tune_config *c)
 {
-    static const char *const names[] = {"scene", "task",  "n",     "set",
-                                        "query", "items", "steps", NULL};
     config_workload w = {0};
-    field_only(L, table, "a workload", names);
-    read_paths(L, table, &w);
-    read_settings(L, table, &w);
-    read_query(L, table, &w);
-    read_steps(L, table, &w);
-    lua_getfield(L, table, "n");
-    if (!lua_istable(L, -1)) {
-        lua_pop(L, 1);
-        add_workload(L, c, &w, field_integer(L, table, "n", -1));
-        return;
-    }
-    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, -1); ++i) {
-        lua_rawgeti(L, -1, i);
-        add_workload(L, c, &w, lua_isinteger(L, -1) ? lua_tointeger(L, -1) : -2);
+    lua_rawgeti(L, -1, i);
+    field_read_row(L, -1, (field_table){"workload", i}, workload_fields, &w);
+    settle_paths(L, &w);
+    check_query(L, &w);
+    lua_getfield(L, -1, "n");
+    if (!lua_istable(L, -1))
+        add_workload(L, c, &w);
+    for (lua_Integer k = 1; lua_istable(L, -1) && k <= (lua_Integer)lua_rawlen(L, -1); ++k) {
+        lua_rawgeti(L, -1, k);
+        add_workload(L, c, &w);
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
+    lua_pop(L, 2);
 }
 
-static void read_workloads(lua_State *L, tune_config *c)
+static void read_workloads(lua_State *L, const field *f, void *at)
 {
-    if (!field_push(L, ROOT, "workloads", LUA_TTABLE))
-        field_raise(L, NULL, "workloads are missing: a list of {scene = ..., n = ...}");
-    int list = lua_gettop(L);
-    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, list); ++i) {
-        lua_rawgeti(L, list, i);
-        if (!lua_istable(L, -1))
-            field_raise(L, "workloads", "workload %d is not a table", (int)i);
-        read_workload(L, lua_gettop(L), c);
-        lua_pop(L, 1);
-    }
-    if (c->n_workloads == 0)
-        field_raise(L, "workloads", "workloads is an empty list");
-    lua_pop(L, 1);
+    tune_config *c = at;
+    if (!lua_istable(L, -1))
+        field_refuse(L, f, "a list of {scene = ..., n = ...}");
+    for (lua_Integer i = 1; i <= (lua_Integer)lua_rawlen(L, -1); ++i)
+        read_workload(L, i, c);
 }
 
 // ---------------------------------------------------------------- the rest
 
-static void read_strategy(lua_State *L, tune_config *c)
+static void read_strategy(lua_State *L, const field *f, void *at)
 {
-    lua_getfield(L, ROOT, "strategy");
-    bool is_function = lua_isfunction(L, -1);
-    lua_pop(L, 1);
-    if (is_function) {
+    tune_config *c = at;
+    if (lua_isfunction(L, -1)) {
         c->def.strategy = strategy_lua.name;
         c->def.strategy_lua = text_chars(&c->text);
         return;
     }
-    c->def.strategy = field_string(L, ROOT, "strategy", c->def.strategy);
+    field_string.read(L, f, &c->def.strategy);
     if (!strategy_find(c->def.strategy))
         field_raise(L, "strategy", "there is no strategy '%s'; a function may also be given",
                     c->def.strategy);
 }
 
-// The strings of a list, one after the other.
-static uint32_t read_list(lua_State *L, const char *name, const char **items, uint32_t most)
+static void read_objective(lua_State *L, const field *f, void *at)
 {
-    if (!field_push(L, ROOT, name, LUA_TTABLE))
-        return 0;
-    uint32_t n = (uint32_t)lua_rawlen(L, -1);
-    if (n == 0 || n > most)
-        field_raise(L, name, "%s is a list of 1 to %d strings", name, (int)most);
-    for (uint32_t i = 0; i < n; ++i) {
-        lua_rawgeti(L, -1, (lua_Integer)i + 1);
-        if (lua_type(L, -1) != LUA_TSTRING)
-            field_raise(L, name, "%s is a list of strings", name);
-        items[i] = lua_tostring(L, -1);
-        lua_pop(L, 1);
-    }
-    lua_pop(L, 1);
-    return n;
+    const char *objective = NULL;
+    field_string.read(L, f, &objective);
+    if (strcmp(objective, "time") != 0 && strcmp(objective, "energy") != 0)
+        field_raise(L, "objective", "there is no objective '%s'; expected 'time' or 'energy'",
+                    objective);
+    *(const char **)at = objective;
 }
 
-static void read_modes(lua_State *L, tune_config *c)
+static void read_modes(lua_State *L, const field *f, void *at)
 {
-    const char *names[CONFIG_MODES];
-    c->def.n_modes = read_list(L, "modes", names, CONFIG_MODES);
-    for (uint32_t i = 0; i < c->def.n_modes; ++i)
-        if (!mode_from_name(names[i], &c->modes[i]))
-            field_raise(L, "modes", "there is no mode '%s'", names[i]);
+    tune_config *c = at;
+    field_name_list list;
+    field_names.read(L, f, &list);
+    if (list.n > CONFIG_MODES)
+        field_raise(L, "modes", "modes is a list of %u; expected at most %d", list.n, CONFIG_MODES);
+    c->def.n_modes = list.n;
+    for (uint32_t i = 0; i < list.n; ++i)
+        if (!mode_from_name(list.names[i], &c->modes[i]))
+            field_raise(L, "modes", "there is no mode '%s'", list.names[i]);
 }
 
 // level = "sat6", or a list of levels that accuracy chooses from.
-static void read_levels(lua_State *L, tune_config *c)
+static void read_levels(lua_State *L, const field *f, void *at)
 {
-    const char *names[DUET_LEVELS];
-    lua_getfield(L, ROOT, "level");
-    bool is_list = lua_istable(L, -1);
-    c->def.n_levels = !lua_isnil(L, -1);
-    lua_pop(L, 1);
-    if (!is_list) {
-        accuracy_read_level(L, ROOT, &c->levels[0]);
-        return;
+    tune_config *c = at;
+    field_name_list list = {.n = 1};
+    if (lua_istable(L, -1))
+        field_names.read(L, f, &list);
+    else
+        field_string.read(L, f, &list.names[0]);
+    if (list.n > DUET_LEVELS)
+        field_raise(L, "level", "level is a list of %u; expected at most %d", list.n, DUET_LEVELS);
+    c->def.n_levels = list.n;
+    for (uint32_t i = 0; i < list.n; ++i)
+        if (!duet_level_from_name(list.names[i], &c->levels[i]))
+            field_raise(L, "level", "there is no level '%s'", list.names[i]);
+}
+
+static void read_accuracy(lua_State *L, const field *f, void *at)
+{
+    tune_config *c = at;
+    field_accuracy.read(L, f, &c->def.accuracy);
+    c->def.has_accuracy = true;
+}
+
+#define A_COUNT "a number from 0 to 2147483647"
+
+static const field budget_fields[] = {
+    {FIELD_ROW("seconds", field_double, duet_tune_def, budget_seconds), .most = DBL_MAX,
+     .expected = "a time from 0 on"},
+    {FIELD_ROW("trials", field_count, duet_tune_def, budget_trials), .most = INT32_MAX,
+     .expected = A_COUNT},
+    {0},
+};
+
+static void read_budget(lua_State *L, const field *f, void *at)
+{
+    (void)f;
+    field_read_row(L, -1, (field_table){"budget", -1}, budget_fields, at);
+}
+
+#define READ_BY(name_, reader)                       \
+    {                                                \
+        .name = (name_), .type = &(const field_type) \
+        {                                            \
+            .read = (reader)                         \
+        }                                            \
     }
-    c->def.n_levels = read_list(L, "level", names, DUET_LEVELS);
-    for (uint32_t i = 0; i < c->def.n_levels; ++i)
-        if (!duet_level_from_name(names[i], &c->levels[i]))
-            field_raise(L, "level", "there is no level '%s'", names[i]);
-}
 
-static uint32_t read_count(lua_State *L, int table, const char *name, int64_t most)
-{
-    int64_t count = field_integer(L, table, name, 0);
-    if (count < 0 || count > most)
-        field_raise(L, name, "%s is a number from 0 to %d", name, (int)most);
-    return (uint32_t)count;
-}
-
-static void read_budget(lua_State *L, tune_config *c)
-{
-    static const char *const names[] = {"seconds", "trials", NULL};
-    if (!field_push(L, ROOT, "budget", LUA_TTABLE))
-        return;
-    int budget = lua_gettop(L);
-    field_only(L, budget, "budget", names);
-    c->def.budget_seconds = field_number(L, budget, "seconds", 0);
-    if (c->def.budget_seconds < 0)
-        field_raise(L, "seconds", "seconds is a time above 0");
-    c->def.budget_trials = read_count(L, budget, "trials", INT32_MAX);
-    lua_pop(L, 1);
-}
+static const field config_fields[] = {
+    READ_BY("workloads", read_workloads),
+    FIELDS(tune_config, pair),
+    READ_BY("strategy", read_strategy),
+    FIELDS(tune_config, variants),
+    FIELDS_IN(tune_config, def., search),
+    READ_BY("modes", read_modes),
+    FIELD_AT("budget", (const field_type){.read = read_budget}, tune_config, def),
+    FIELD_WITHIN(tune_config, def., repeats, 0, 32, "a number from 0 to 32"),
+    FIELD_WITHIN(tune_config, def., seed, 0, INT32_MAX, A_COUNT),
+    FIELD_AT("objective", (const field_type){.read = read_objective}, tune_config, def.objective),
+    READ_BY("level", read_levels),
+    READ_BY("accuracy", read_accuracy),
+    {0},
+};
 
 // root, config -> the list that keeps strings
 static int read_config(lua_State *L)
 {
-    static const char *const names[] = {
-        "workloads", "pair", "strategy",  "variants", "search",   "modes", "budget",
-        "repeats",   "seed", "objective", "level",    "accuracy", NULL};
     tune_config *c = lua_touserdata(L, CONFIG);
     lua_newtable(L);
     if (!lua_istable(L, ROOT))
         return field_raise(L, NULL, "a tune file returns a table, not %s", luaL_typename(L, ROOT));
-    field_only(L, ROOT, "a tune file", names);
-    c->def.objective = field_string(L, ROOT, "objective", c->def.objective);
-    if (strcmp(c->def.objective, "time") != 0 && strcmp(c->def.objective, "energy") != 0)
-        field_raise(L, "objective", "there is no objective '%s'; expected 'time' or 'energy'",
-                    c->def.objective);
-    read_workloads(L, c);
-    read_strategy(L, c);
-    read_modes(L, c);
-    read_budget(L, c);
-    read_levels(L, c);
-    c->def.has_accuracy = accuracy_read(L, ROOT, &c->def.accuracy);
+    field_read(L, ROOT, "a tune file", config_fields, c);
+    if (c->n_workloads == 0)
+        field_raise(L, "workloads", "workloads are missing: a list of {scene = ..., n = ...}");
     if (c->def.n_levels > 1 && !c->def.has_accuracy)
         field_raise(L, "level", "several levels need an accuracy that one is chosen by");
-    c->def.n_variants = read_list(L, "variants", c->variants, CONFIG_VARIANTS);
-    c->def.search = field_string(L, ROOT, "search", NULL);
-    c->pair = field_string(L, ROOT, "pair", NULL);
-    c->def.repeats = read_count(L, ROOT, "repeats", 32);
-    c->def.seed = read_count(L, ROOT, "seed", INT32_MAX);
+    c->def.n_variants = c->variants.n;
     lua_settop(L, KEPT);
     return 1;
 }
@@ -269,7 +261,7 @@ static int read_config(lua_State *L)
 void tune_config_begin(tune_config *c)
 {
     *c = (tune_config){.def = duet_default_tune_def()};
-    c->def.variants = c->variants;
+    c->def.variants = c->variants.names;
     c->def.modes = c->modes;
     c->def.levels = c->levels;
 }

@@ -4,10 +4,11 @@
 #define CLI_TUNE_CONFIG_H
 
 #include "base/text.h"
+#include "gen/field.h"
 #include "gen/script.h"
 #include "tuner/duet_tune.h"
 
-enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_VARIANTS = 32, CONFIG_MODES = 8 };
+enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_MODES = 8 };
 
 // One scene or task at one size, or what a tree of the scene is asked.
 typedef struct config_workload {
@@ -24,9 +25,9 @@ typedef struct config_workload {
 typedef struct tune_config {
     config_workload workloads[CONFIG_WORKLOADS];
     uint32_t n_workloads;
-    const char *pair;  // "A,B", or NULL
-    duet_tune_def def; // the rest of what the file says: how to tune each workload
-    const char *variants[CONFIG_VARIANTS]; // the def's lists
+    const char *pair;         // "A,B", or NULL
+    duet_tune_def def;        // the rest of what the file says: how to tune each workload
+    field_name_list variants; // the def's lists
     duet_mode modes[CONFIG_MODES];
     duet_level levels[DUET_LEVELS];
     script *script; // keeps the strings

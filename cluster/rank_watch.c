@@ -11,7 +11,7 @@
 
 enum { BEATS = 10 }; // beats of silence: each is a tenth of the seconds
 
-struct rank_seat {
+struct rank_heartbeat {
     _Atomic uint64_t beats; // GONE: is not watched
     int rank;
     int pid;
@@ -19,26 +19,26 @@ struct rank_seat {
 
 #define GONE UINT64_MAX
 
-typedef struct seen {
+typedef struct last_heard {
     uint64_t beats;
     uint32_t silent; // own beats since the rank's beats moved
     bool reported;
-} seen;
+} last_heard;
 
 // Own beats are counted and no time, so that ranks that were all stopped together, and go on, do
 // not report each other.
-static void see(seen *s, uint64_t beats, bool counts)
+static void note_beats(last_heard *s, uint64_t beats, bool counts)
 {
     s->silent = beats == s->beats && counts ? s->silent + 1 : 0;
     s->beats = beats;
 }
 
-static bool is_silent(const seen *s)
+static bool is_silent(const last_heard *s)
 {
     return s->silent >= BEATS;
 }
 
-static void report(const rank_watch *w, seen *s, int rank, const char *host_name, int pid)
+static void report(const rank_watch *w, last_heard *s, int rank, const char *host_name, int pid)
 {
     char line[512];
     int n = snprintf(line, sizeof line, "rank %d of %d (host %s, pid %d) ", rank, w->all.n,
@@ -55,17 +55,17 @@ static void report(const rank_watch *w, seen *s, int rank, const char *host_name
 static void check_host(rank_watch *w)
 {
     int first = -1;
-    atomic_fetch_add(&w->seats[w->all.self_on_host].beats, 1);
+    atomic_fetch_add(&w->heartbeats[w->all.self_on_host].beats, 1);
     for (int i = 0; i < w->all.n_on_host; ++i) {
-        uint64_t beats = atomic_load(&w->seats[i].beats);
-        see(&w->seen[i], beats, beats != GONE && i != w->all.self_on_host);
-        first = first < 0 && !is_silent(&w->seen[i]) ? i : first;
+        uint64_t beats = atomic_load(&w->heartbeats[i].beats);
+        note_beats(&w->last[i], beats, beats != GONE && i != w->all.self_on_host);
+        first = first < 0 && !is_silent(&w->last[i]) ? i : first;
     }
     for (int i = 0; i < w->all.n_on_host; ++i) {
-        seen *s = &w->seen[i];
-        const rank_seat *seat = &w->seats[i];
+        last_heard *s = &w->last[i];
+        const rank_heartbeat *heartbeat = &w->heartbeats[i];
         if (is_silent(s) != s->reported && (!is_silent(s) || first == w->all.self_on_host))
-            report(w, s, seat->rank, w->all.host_name, seat->pid);
+            report(w, s, heartbeat->rank, w->all.host_name, heartbeat->pid);
     }
 }
 
@@ -74,9 +74,9 @@ static void check_other_hosts(rank_watch *w)
     beacon_send(&w->beacon);
     beacon_hear(&w->beacon);
     for (int i = 0; i < w->beacon.n_heard; ++i) {
-        seen *s = &w->seen[w->all.n_on_host + i];
+        last_heard *s = &w->last[w->all.n_on_host + i];
         const beacon_rank *far = &w->beacon.heard[i];
-        see(s, far->beats, far->beats > 0);
+        note_beats(s, far->beats, far->beats > 0);
         if (is_silent(s) != s->reported)
             report(w, s, far->rank, far->host_name, far->pid);
     }
@@ -127,15 +127,16 @@ bool rank_watch_begin(rank_watch *w, double seconds, void (*say)(const char *lin
     *w = (rank_watch){.seconds = seconds, .say = say};
     if (!ranks_begin(&w->all, NULL, NULL, err))
         return false;
-    w->seats = ranks_share(&w->all, (size_t)w->all.n_on_host * sizeof *w->seats, &w->window);
-    if (!w->seats)
+    w->heartbeats =
+        ranks_share(&w->all, (size_t)w->all.n_on_host * sizeof *w->heartbeats, &w->window);
+    if (!w->heartbeats)
         return true;
-    rank_seat *own = &w->seats[w->all.self_on_host];
+    rank_heartbeat *own = &w->heartbeats[w->all.self_on_host];
     own->rank = w->all.self;
     own->pid = (int)getpid();
     beacon_begin(&w->beacon, &w->all);
-    w->seen = calloc((size_t)w->all.n_on_host + (size_t)w->beacon.n_heard, sizeof *w->seen);
-    w->watches = seconds > 0 && w->all.n > 1 && w->seen && begin_thread(w);
+    w->last = calloc((size_t)w->all.n_on_host + (size_t)w->beacon.n_heard, sizeof *w->last);
+    w->watches = seconds > 0 && w->all.n > 1 && w->last && begin_thread(w);
     if (!w->watches)
         atomic_store(&own->beats, GONE);
     ranks_wait(&w->all);
@@ -154,8 +155,8 @@ void rank_watch_end(rank_watch *w)
         pthread_cond_destroy(&w->ended);
         pthread_mutex_destroy(&w->lock);
     }
-    free(w->seen);
-    if (w->seats) {
+    free(w->last);
+    if (w->heartbeats) {
         beacon_end(&w->beacon);
         ranks_unshare(&w->window);
     }

@@ -13,15 +13,16 @@
 
 #include <pthread.h>
 
-typedef struct rank_seat rank_seat;
+typedef struct rank_heartbeat rank_heartbeat;
 
 typedef struct rank_watch {
     ranks all;
     MPI_Win window;
-    rank_seat *seats;  // [n_on_host], shared
-    beacon beacon;     // of ranks that are alone on their hosts
-    struct seen *seen; // [n_on_host], then of those that the beacon hears: what was seen of each
-    double seconds;    // seconds of silence, after which a rank is reported
+    rank_heartbeat *heartbeats; // [n_on_host], shared
+    beacon beacon;              // of ranks that are alone on their hosts
+    struct last_heard
+        *last;      // [n_on_host], then of those that the beacon hears: what was heard of each
+    double seconds; // seconds of silence, after which a rank is reported
     pthread_mutex_t lock;
     pthread_cond_t ended;
     bool ends;

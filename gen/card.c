@@ -25,6 +25,13 @@ static bool is_param_name(const char *name)
     return begins && strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == strlen(name);
 }
 
+static void read_about(lua_State *L, const field *f, void *at)
+{
+    const char *about = NULL;
+    field_string.read(L, f, &about);
+    *(char **)at = copy_string(L, about);
+}
+
 // The name at [1] of the table on top.
 static void read_param_name(lua_State *L, card *c, gen_param *param)
 {
@@ -36,8 +43,6 @@ static void read_param_name(lua_State *L, card *c, gen_param *param)
         field_raise(L, "params", "parameter %s is there twice", name);
     param->name = copy_string(L, name);
     lua_pop(L, 1);
-    lua_pushnil(L);
-    lua_rawseti(L, -2, 1); // so that only named fields are left
 }
 
 static void read_value(lua_State *L, gen_param *param, int64_t *values)
@@ -53,13 +58,12 @@ static void read_value(lua_State *L, gen_param *param, int64_t *values)
     values[param->n_values++] = value;
 }
 
-static void read_values(lua_State *L, gen_param *param)
+static void read_values(lua_State *L, const field *f, void *at)
 {
-    if (!field_push(L, -1, "values", LUA_TTABLE))
-        return;
-    lua_Unsigned n = lua_rawlen(L, -1);
+    gen_param *param = at;
+    lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
     if (n == 0 || n > 1000)
-        field_raise(L, NULL, "%s: values has %d of them, not 1 to 1000", param->name, (int)n);
+        field_refuse(L, f, "a list of 1 to 1000 whole numbers");
     int64_t *values = malloc(n * sizeof *values);
     if (!values)
         luaL_error(L, "no memory");
@@ -69,14 +73,10 @@ static void read_values(lua_State *L, gen_param *param)
         read_value(L, param, values);
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
 }
 
-static void read_range(lua_State *L, gen_param *param)
+static void check_range(lua_State *L, const gen_param *param)
 {
-    param->least = field_integer(L, -1, "min", INT64_MIN);
-    param->most = field_integer(L, -1, "max", INT64_MAX);
-    param->is_range = param->least != INT64_MIN || param->most != INT64_MAX;
     if (param->least > param->most)
         field_raise(L, NULL, "%s: min %" PRId64 " is above max %" PRId64, param->name, param->least,
                     param->most);
@@ -84,48 +84,62 @@ static void read_range(lua_State *L, gen_param *param)
         field_raise(L, NULL, "%s: neither values nor min and max say what it can be", param->name);
 }
 
+// The first value by default. A function's is asked for each device (card_ask.c).
 static void read_fallback(lua_State *L, gen_param *param)
 {
-    if (lua_getfield(L, -1, "default") != LUA_TFUNCTION) {
-        lua_Integer first = param->n_values > 0 ? param->values[0] : param->least;
-        param->fallback = field_integer(L, -2, "default", first);
-        if (!card_has_value(param, param->fallback))
-            field_raise(L, NULL, "%s: its default %" PRId64 " is not one of its values",
-                        param->name, param->fallback);
-    }
+    const field_table table = {param->name, -1};
+    const field fallback = {FIELD_ROW("default", field_int, gen_param, fallback), .table = &table};
+    param->fallback = param->n_values > 0 ? param->values[0] : param->least;
+    bool computed = lua_getfield(L, -1, "default") == LUA_TFUNCTION;
     lua_pop(L, 1);
+    if (computed)
+        return;
+    field_read_one(L, -1, &fallback, param);
+    if (!card_has_value(param, param->fallback))
+        field_raise(L, NULL, "%s: its default %" PRId64 " is not one of its values", param->name,
+                    param->fallback);
 }
+
+static const field param_fields[] = {
+    {.name = "[1]", .type = &field_unread},
+    {.name = "values", .type = &(const field_type){.read = read_values}},
+    FIELD_AT("min", field_int, gen_param, least),
+    FIELD_AT("max", field_int, gen_param, most),
+    {.name = "default", .type = &field_unread},
+    FIELDS(gen_param, silent),
+    FIELD((const field_type){.read = read_about}, gen_param, about),
+    {0},
+};
 
 static void read_param(lua_State *L, card *c)
 {
-    static const char *const names[] = {"values", "min", "max", "default", "silent", "about", NULL};
     gen_param *param = &c->params[c->n_params];
     if (lua_type(L, -1) != LUA_TTABLE)
         field_raise(L, "params", "parameter %u is a %s, not a table", c->n_params + 1,
                     luaL_typename(L, -1));
     read_param_name(L, c, param);
     ++c->n_params;
-    field_only(L, -1, param->name, names);
-    read_values(L, param);
-    read_range(L, param);
+    param->least = INT64_MIN;
+    param->most = INT64_MAX;
+    field_read_row(L, -1, (field_table){param->name, -1}, param_fields, param);
+    param->is_range = param->least != INT64_MIN || param->most != INT64_MAX;
+    check_range(L, param);
     read_fallback(L, param);
-    param->silent = field_boolean(L, -1, "silent", false);
-    param->about = copy_string(L, field_string(L, -1, "about", ""));
+    if (!param->about)
+        param->about = copy_string(L, "");
 }
 
-static void read_params(lua_State *L, card *c)
+static void read_params(lua_State *L, const field *f, void *at)
 {
-    if (!field_push(L, 1, "params", LUA_TTABLE))
-        field_raise(L, NULL, "the card has no params");
-    lua_Unsigned n = lua_rawlen(L, -1);
+    card *c = at;
+    lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : CARD_MAX_PARAMS + 1;
     if (n > CARD_MAX_PARAMS)
-        field_raise(L, "params", "%d parameters, at most %d", (int)n, CARD_MAX_PARAMS);
+        field_refuse(L, f, "a list of at most 32 parameters");
     for (lua_Unsigned i = 1; i <= n; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i);
         read_param(L, c);
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
     if (card_size(c) > CARD_MAX_CONFIGS)
         field_raise(L, "params", "more than %" PRIu64 " configs: leave values out",
                     CARD_MAX_CONFIGS);
@@ -141,46 +155,71 @@ static bool is_file_name(const char *name, size_t length)
            !strchr(last, '/') && strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_./") == length;
 }
 
-static void read_names(lua_State *L, const char *field, card_names *names)
+static void read_names(lua_State *L, const field *f, void *at)
 {
-    if (!field_push(L, 1, field, LUA_TTABLE))
-        return;
+    card_names *names = at;
+    if (!lua_istable(L, -1))
+        field_refuse(L, f, "a list of files' names");
     for (lua_Integer i = 1; lua_rawgeti(L, -1, i) != LUA_TNIL; ++i, lua_pop(L, 1)) {
         size_t length = 0;
         const char *name = lua_tolstring(L, -1, &length);
         if (!name || !is_file_name(name, length) || names->n == CARD_MAX_NAMES)
-            field_raise(L, field, "%s has at most %d names of files, in small letters", field,
+            field_raise(L, f->name, "%s has at most %d names of files, in small letters", f->name,
                         CARD_MAX_NAMES);
         memcpy(names->at[names->n++], name, length + 1);
     }
-    lua_pop(L, 2);
+    lua_pop(L, 1);
 }
 
-static bool has_function(lua_State *L, const char *name)
+static void read_signatures(lua_State *L, const field *f, void *at)
 {
-    bool has = field_push(L, 1, name, LUA_TFUNCTION);
-    if (has)
-        lua_pop(L, 1);
-    return has;
+    card *c = at;
+    if (!lua_istable(L, -1))
+        field_refuse(L, f, "a table of entries");
+    signature_read(L, &c->signatures, &c->n_signatures);
 }
+
+static void read_function(lua_State *L, const field *f, void *at)
+{
+    bool has = false;
+    (void)at;
+    field_function.read(L, f, &has);
+}
+
+#define CARD_FIELD(name_, reader)                    \
+    {                                                \
+        .name = (name_), .type = &(const field_type) \
+        {                                            \
+            .read = (reader)                         \
+        }                                            \
+    }
+
+enum { HAS_PARAMS = 2, HAS_LAUNCH = 4 };
+
+static const field card_fields[] = {
+    FIELD((const field_type){.read = read_about}, card, about),
+    CARD_FIELD("params", read_params),
+    CARD_FIELD("launch", read_function),
+    CARD_FIELD("args", read_signatures),
+    CARD_FIELD("valid", read_function),
+    FIELD((const field_type){.read = read_names}, card, uses),
+    FIELD((const field_type){.read = read_names}, card, emit),
+    {0},
+};
 
 // [1] what the card returned, [2] the card to fill
 static int read_card(lua_State *L)
 {
-    static const char *const names[] = {"about",  "params", "args", "valid",
-                                        "launch", "uses",   "emit", NULL};
     card *c = lua_touserdata(L, 2);
     if (lua_type(L, 1) != LUA_TTABLE)
         field_raise(L, NULL, "the card returns a %s, not a table", luaL_typename(L, 1));
-    field_only(L, 1, "the card", names);
-    c->about = copy_string(L, field_string(L, 1, "about", ""));
-    read_params(L, c);
-    read_names(L, "uses", &c->uses);
-    read_names(L, "emit", &c->emit);
-    signature_read(L, 1, &c->signatures, &c->n_signatures);
-    has_function(L, "valid");
-    if (!has_function(L, "launch") && !(card_param(c, "WG") && card_param(c, "PER_ITEM")))
+    uint64_t given = field_read(L, 1, "the card", card_fields, c);
+    if (!(given & HAS_PARAMS))
+        field_raise(L, NULL, "the card has no params");
+    if (!(given & HAS_LAUNCH) && !(card_param(c, "WG") && card_param(c, "PER_ITEM")))
         field_raise(L, NULL, "the card has no launch function, nor WG and PER_ITEM");
+    if (!c->about)
+        c->about = copy_string(L, "");
     lua_pushvalue(L, 1);
     c->table = luaL_ref(L, LUA_REGISTRYINDEX);
     return 0;

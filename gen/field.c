@@ -1,181 +1,463 @@
 // SPDX-License-Identifier: MIT
-// A table does not know the line it was written at. The line is looked for in
-// the script's text instead, and told only if there is exactly one.
-#define _GNU_SOURCE // memmem
 #include "gen/field.h"
-#include "gen/script.h"
 
-#include <ctype.h>
 #include <lauxlib.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-static bool is_word(char c)
+const char *field_push_shown(lua_State *L, int index)
 {
-    return isalnum((unsigned char)c) || c == '_';
+    index = lua_absindex(L, index);
+    if (lua_type(L, index) <= LUA_TSTRING && !lua_islightuserdata(L, index))
+        return luaL_tolstring(L, index, NULL);
+    return lua_pushfstring(L, "a %s", luaL_typename(L, index));
 }
 
-// "name =" or "['name'] =" at this place, and not "name ==" or "surname =".
-static bool gives_value(const char *source, const char *at, size_t length)
+// ---------------------------------------------------------------- messages
+
+// What the message is about, if that is one of several: "object 3: "; else nothing.
+static const char *push_prefix(lua_State *L, const field_table *table, const char *after)
 {
-    if (at > source && is_word(at[-1]))
-        return false;
-    const char *after = at + length;
-    after += strspn(after, "\"']");
-    after += strspn(after, " \t\r\n");
-    return after[0] == '=' && after[1] != '=';
+    if (!table)
+        return lua_pushstring(L, "");
+    if (table->row < 0)
+        return lua_pushfstring(L, "%s%s", table->name, after);
+    return lua_pushfstring(L, "%s %I%s", table->name, (LUAI_UACINT)table->row, after);
 }
 
-// How often the name gets a value in a line, up to its comment.
-static int count_in_line(const char *source, const char *line, const char *end, const char *name)
+// The name that a line of the script has: the field's, or else that of its table: "x" of "args.x".
+static const char *name_with_line(lua_State *L, const char *name, const field_table *table)
 {
-    int n = 0;
-    size_t length = strlen(name);
-    const char *comment = memmem(line, (size_t)(end - line), "--", 2);
-    end = comment ? comment : end;
-    for (const char *at = line; (at = memmem(at, (size_t)(end - at), name, length)); at += length)
-        n += gives_value(source, at, length);
-    return n;
+    if (!table || field_line(L, name) > 0)
+        return name;
+    const char *point = strrchr(table->name, '.');
+    return point ? point + 1 : table->name;
 }
 
-static bool is_name(const char *name)
-{
-    const char *at = name;
-    while (is_word(*at))
-        ++at;
-    return at > name && *at == '\0';
-}
-
-// 0 if there is none or more than one. Each byte is looked at a few times
-// only, however often a script repeats the name.
-static int line_of(const char *source, const char *name)
-{
-    int only = 0;
-    int n = 0;
-    const char *line = source;
-    for (int i = 1; n < 2 && *line && is_name(name); ++i) {
-        const char *end = line + strcspn(line, "\n");
-        int here = count_in_line(source, line, end, name);
-        only = here > 0 ? i : only;
-        n += here;
-        line = end + (*end == '\n');
-    }
-    return n == 1 ? only : 0;
-}
-
-int field_line(lua_State *L, const char *name)
-{
-    const char *file = NULL;
-    return line_of(script_chunk(L, &file), name);
-}
-
-int field_raise(lua_State *L, const char *name, const char *format, ...)
-{
-    const char *file = NULL;
-    script_chunk(L, &file);
-    int line = name ? field_line(L, name) : 0;
-    char message[400];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
-    va_end(args);
-    if (line > 0)
-        lua_pushfstring(L, "%s:%d: %s", file, line, message);
-    else
-        lua_pushfstring(L, "%s: %s", file, message);
-    return lua_error(L);
-}
-
-static bool is_listed(const char *name, const char *const *names)
-{
-    while (*names && strcmp(*names, name) != 0)
-        ++names;
-    return *names;
-}
-
-static void raise_unknown(lua_State *L, const char *what, const char *name,
-                          const char *const *names)
-{
-    char all[300] = "";
-    for (size_t used = 0; *names && used < sizeof all; ++names)
-        used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", used ? ", " : "", *names);
-    field_raise(L, name, "%s has no field '%s': there are %s", what, name, all);
-}
-
-void field_only(lua_State *L, int table, const char *what, const char *const *names)
-{
-    table = lua_absindex(L, table);
-    for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
-        if (lua_type(L, -2) != LUA_TSTRING) {
-            lua_pushvalue(L, -2);
-            field_raise(L, NULL, "%s has no field [%s]: its fields have names", what,
-                        script_tostring(L, -1, NULL));
-        }
-        if (!is_listed(lua_tostring(L, -2), names))
-            raise_unknown(L, what, lua_tostring(L, -2), names);
-    }
-}
-
-// Says what the value on top is and what it should be.
-static void raise_type(lua_State *L, const char *name, const char *wanted)
+// Pushes the value on top as a message shows it: 'x', 1.5, "a list of 4", "a table".
+static const char *push_quoted(lua_State *L)
 {
     if (lua_type(L, -1) == LUA_TSTRING)
-        field_raise(L, name, "%s must be %s, is '%s'", name, wanted, lua_tostring(L, -1));
-    if (lua_type(L, -1) == LUA_TNUMBER)
-        field_raise(L, name, "%s must be %s, is %s", name, wanted, lua_tostring(L, -1));
-    field_raise(L, name, "%s must be %s, is a %s", name, wanted, luaL_typename(L, -1));
+        return lua_pushfstring(L, "'%s'", lua_tostring(L, -1));
+    if (lua_istable(L, -1) && lua_rawlen(L, -1) > 0)
+        return lua_pushfstring(L, "a list of %I", (LUAI_UACINT)lua_rawlen(L, -1));
+    return field_push_shown(L, -1);
 }
 
-bool field_boolean(lua_State *L, int table, const char *name, bool fallback)
+int field_refuse(lua_State *L, const field *f, const char *expected)
 {
-    int type = lua_getfield(L, table, name);
-    if (type != LUA_TNIL && type != LUA_TBOOLEAN)
-        raise_type(L, name, "true or false");
-    bool value = type == LUA_TNIL ? fallback : lua_toboolean(L, -1);
-    lua_pop(L, 1);
+    const char *value = push_quoted(L);
+    const char *prefix = push_prefix(L, f->table, ": ");
+    return field_raise(L, name_with_line(L, f->name, f->table), "%s%s is %s; expected %s", prefix,
+                       f->name, value, f->expected ? f->expected : expected);
+}
+
+// ---------------------------------------------------------------- texts
+
+// A number is not taken: lua_tostring would make a string that only the stack holds.
+static void read_string(lua_State *L, const field *f, void *at)
+{
+    if (lua_type(L, -1) != LUA_TSTRING)
+        field_refuse(L, f, "a string");
+    *(const char **)at = lua_tostring(L, -1);
+}
+
+static void push_string(lua_State *L, const field *f, const void *at)
+{
+    (void)f;
+    lua_pushstring(L, *(const char *const *)at);
+}
+
+static void read_chars(lua_State *L, const field *f, void *at)
+{
+    size_t length = 0;
+    if (lua_type(L, -1) != LUA_TSTRING)
+        field_refuse(L, f, "a string");
+    const char *chars = lua_tolstring(L, -1, &length);
+    if (length >= f->size)
+        field_raise(L, f->name, "%s has %d characters; expected at most %d", f->name, (int)length,
+                    (int)f->size - 1);
+    memcpy(at, chars, length + 1);
+}
+
+static void push_chars(lua_State *L, const field *f, const void *at)
+{
+    (void)f;
+    lua_pushstring(L, at);
+}
+
+// Pushes "a, b, c".
+static const char *push_enum_names(lua_State *L, const field *f)
+{
+    luaL_Buffer known;
+    luaL_buffinit(L, &known);
+    for (int i = 0; f->name_of(i); ++i) {
+        luaL_addstring(&known, i ? ", " : "");
+        luaL_addstring(&known, f->name_of(i));
+    }
+    luaL_pushresult(&known);
+    return lua_tostring(L, -1);
+}
+
+static void read_enum(lua_State *L, const field *f, void *at)
+{
+    const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+    int value = 0;
+    while (f->name_of(value) && strcmp(name, f->name_of(value)) != 0)
+        ++value;
+    if (!f->name_of(value)) {
+        const char *expected = lua_pushfstring(L, "one of %s", push_enum_names(L, f));
+        lua_pushvalue(L, -3);
+        field_refuse(L, f, expected);
+    }
+    memcpy(at, &value, sizeof value); // an enum of ours is an int
+}
+
+static void push_enum(lua_State *L, const field *f, const void *at)
+{
+    int value = 0;
+    memcpy(&value, at, sizeof value);
+    lua_pushstring(L, f->name_of(value));
+}
+
+// ---------------------------------------------------------------- numbers
+
+static void read_bool(lua_State *L, const field *f, void *at)
+{
+    if (!lua_isboolean(L, -1))
+        field_refuse(L, f, "true or false");
+    *(bool *)at = lua_toboolean(L, -1);
+}
+
+static void push_bool(lua_State *L, const field *f, const void *at)
+{
+    (void)f;
+    lua_pushboolean(L, *(const bool *)at);
+}
+
+// Whether the row has a range that the value is out of; NaN is out of any.
+static bool is_outside(const field *f, double value)
+{
+    return (f->least != 0 || f->most != 0) && !(value >= f->least && value <= f->most);
+}
+
+static int64_t take_whole(lua_State *L, const field *f, int64_t least, int64_t most,
+                          const char *expected)
+{
+    int is_whole = 0;
+    lua_Integer value = lua_tointegerx(L, -1, &is_whole);
+    if (lua_type(L, -1) != LUA_TNUMBER || !is_whole || value < least || value > most ||
+        is_outside(f, (double)value))
+        field_refuse(L, f, expected);
     return value;
 }
 
-double field_number(lua_State *L, int table, const char *name, double fallback)
+static void read_count(lua_State *L, const field *f, void *at)
 {
-    int type = lua_getfield(L, table, name);
-    if (type != LUA_TNIL && (type != LUA_TNUMBER || !isfinite(lua_tonumber(L, -1))))
-        raise_type(L, name, "a finite number");
-    double value = type == LUA_TNIL ? fallback : lua_tonumber(L, -1);
-    lua_pop(L, 1);
+    int64_t most = f->size == 8 ? INT64_MAX : UINT32_MAX;
+    int64_t value = take_whole(L, f, 0, most, "a whole number from 0");
+    if (f->size == 8)
+        *(uint64_t *)at = (uint64_t)value;
+    else
+        *(uint32_t *)at = (uint32_t)value;
+}
+
+static void read_int(lua_State *L, const field *f, void *at)
+{
+    if (f->size == 8)
+        *(int64_t *)at = take_whole(L, f, INT64_MIN, INT64_MAX, "a whole number");
+    else
+        *(int32_t *)at = (int32_t)take_whole(L, f, INT32_MIN, INT32_MAX, "a whole number");
+}
+
+static void push_count(lua_State *L, const field *f, const void *at)
+{
+    if (f->size == 8)
+        lua_pushinteger(L, (lua_Integer) * (const uint64_t *)at);
+    else
+        lua_pushinteger(L, *(const uint32_t *)at);
+}
+
+static void push_int(lua_State *L, const field *f, const void *at)
+{
+    if (f->size == 8)
+        lua_pushinteger(L, *(const int64_t *)at);
+    else
+        lua_pushinteger(L, *(const int32_t *)at);
+}
+
+static lua_Number take_number(lua_State *L, const field *f)
+{
+    lua_Number value = lua_tonumber(L, -1);
+    if (lua_type(L, -1) != LUA_TNUMBER || is_outside(f, value))
+        field_refuse(L, f, f->most != 0 ? "a finite number" : "a number");
     return value;
 }
 
-int64_t field_integer(lua_State *L, int table, const char *name, int64_t fallback)
+// Puts number i of floats or of doubles, as bytes says.
+static void set_number(void *at, size_t i, lua_Number value, size_t bytes)
 {
-    int type = lua_getfield(L, table, name);
-    int whole = 0;
-    int64_t value = lua_tointegerx(L, -1, &whole);
-    if (type != LUA_TNIL && (type != LUA_TNUMBER || !whole))
-        raise_type(L, name, "a whole number");
-    lua_pop(L, 1);
-    return type == LUA_TNIL ? fallback : value;
+    if (bytes == sizeof(double))
+        ((double *)at)[i] = value;
+    else
+        ((float *)at)[i] = (float)value;
 }
 
-const char *field_string(lua_State *L, int table, const char *name, const char *fallback)
+// One number, or a table of two (in 2D) or of as many as there are.
+static void read_numbers(lua_State *L, const field *f, void *at, size_t bytes)
 {
-    int type = lua_getfield(L, table, name);
-    if (type != LUA_TNIL && type != LUA_TSTRING)
-        raise_type(L, name, "a text in quotes");
-    const char *value = type == LUA_TNIL ? fallback : lua_tostring(L, -1);
-    lua_pop(L, 1);
-    return value;
+    size_t n = f->size / bytes;
+    if (n == 1) {
+        set_number(at, 0, take_number(L, f), bytes);
+        return;
+    }
+    lua_Unsigned given = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    if (given != n && given != 2)
+        field_refuse(L, f, "{ x, y, z } (in 2D { x, y })");
+    memset(at, 0, f->size);
+    for (size_t i = 0; i < given; ++i) {
+        lua_rawgeti(L, -1, (lua_Integer)i + 1);
+        set_number(at, i, take_number(L, f), bytes);
+        lua_pop(L, 1);
+    }
 }
 
-bool field_push(lua_State *L, int table, const char *name, int type)
+static void read_float(lua_State *L, const field *f, void *at)
 {
-    int found = lua_getfield(L, table, name);
-    if (found == type)
-        return true;
-    if (found != LUA_TNIL)
-        raise_type(L, name, type == LUA_TTABLE ? "a table" : "a function");
+    read_numbers(L, f, at, sizeof(float));
+}
+
+static void read_double(lua_State *L, const field *f, void *at)
+{
+    read_numbers(L, f, at, sizeof(double));
+}
+
+// Pushes several fields of one type as a sequence, and one as its value.
+#define PUSH_SEVERAL(name, type, push_one)                         \
+    static void name(lua_State *L, const field *f, const void *at) \
+    {                                                              \
+        size_t n = f->size / sizeof(type);                         \
+        if (n == 1) {                                              \
+            push_one(L, *(const type *)at);                        \
+            return;                                                \
+        }                                                          \
+        lua_createtable(L, (int)n, 0);                             \
+        for (size_t i = 0; i < n; ++i) {                           \
+            push_one(L, ((const type *)at)[i]);                    \
+            lua_rawseti(L, -2, (lua_Integer)i + 1);                \
+        }                                                          \
+    }
+
+static void push_size(lua_State *L, uint64_t value)
+{
+    lua_pushinteger(L, (lua_Integer)value);
+}
+
+PUSH_SEVERAL(push_float, float, lua_pushnumber)
+PUSH_SEVERAL(push_doubles, double, lua_pushnumber)
+PUSH_SEVERAL(push_counts, uint32_t, lua_pushinteger)
+PUSH_SEVERAL(push_sizes, uint64_t, push_size)
+
+// A figure that was not measured is NaN in C and nil in Lua.
+static void push_double(lua_State *L, const field *f, const void *at)
+{
+    if (f->size == sizeof(double) && isnan(*(const double *)at))
+        lua_pushnil(L);
+    else
+        push_doubles(L, f, at);
+}
+
+static void read_names(lua_State *L, const field *f, void *at)
+{
+    field_name_list *list = at;
+    lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    if (n < 1 || n > FIELD_NAMES)
+        field_refuse(L, f, "a list of 1 to 32 names");
+    for (list->n = 0; list->n < n; ++list->n) {
+        lua_rawgeti(L, -1, (lua_Integer)list->n + 1);
+        if (lua_type(L, -1) != LUA_TSTRING)
+            field_refuse(L, f, "a list of names");
+        list->names[list->n] = lua_tostring(L, -1);
+        lua_pop(L, 1);
+    }
+}
+
+static void read_function(lua_State *L, const field *f, void *at)
+{
+    if (!lua_isfunction(L, -1))
+        field_refuse(L, f, "a function");
+    *(bool *)at = true;
+}
+
+static void read_nothing(lua_State *L, const field *f, void *at)
+{
+    (void)L, (void)f, (void)at;
+}
+
+const field_type field_string = {.read = read_string, .push = push_string};
+const field_type field_chars = {.read = read_chars, .push = push_chars};
+const field_type field_bool = {.read = read_bool, .push = push_bool};
+const field_type field_count = {.read = read_count, .push = push_count};
+const field_type field_int = {.read = read_int, .push = push_int};
+const field_type field_float = {.read = read_float, .push = push_float};
+const field_type field_double = {.read = read_double, .push = push_double};
+const field_type field_counts = {.push = push_counts};
+const field_type field_sizes = {.push = push_sizes};
+const field_type field_enum = {.read = read_enum, .push = push_enum};
+const field_type field_names = {.read = read_names};
+const field_type field_function = {.read = read_function};
+const field_type field_unread = {.read = read_nothing};
+
+// ---------------------------------------------------------------- tables
+
+const field *field_named(const field *fields, const char *name)
+{
+    for (const field *f = fields; f->name; ++f)
+        if (strcmp(f->name, name) == 0)
+            return f;
+    return NULL;
+}
+
+// Pushes "a, b, c".
+static const char *push_field_names(lua_State *L, const field *fields)
+{
+    luaL_Buffer names;
+    luaL_buffinit(L, &names);
+    for (const field *f = fields; f->name; ++f) {
+        luaL_addstring(&names, f == fields ? "" : ", ");
+        luaL_addstring(&names, f->name);
+    }
+    luaL_pushresult(&names);
+    return lua_tostring(L, -1);
+}
+
+// Raises; the key is at -2.
+static void refuse_key(lua_State *L, const char *what, const field_table *table,
+                       const field *fields)
+{
+    bool named = lua_type(L, -2) == LUA_TSTRING;
+    const char *key = field_push_shown(L, -2);
+    const char *whole = table ? push_prefix(L, table, "") : what;
+    field_raise(L, name_with_line(L, named ? key : "", table),
+                named ? "%s has no field '%s'; its fields are %s"
+                      : "%s has no field [%s]; its fields are %s",
+                whole, key, push_field_names(L, fields));
+}
+
+// The value at index is one of several and should be a table.
+static void refuse_table(lua_State *L, int index, const field_table *table, const field *fields)
+{
+    lua_pushvalue(L, index);
+    const char *value = push_quoted(L);
+    const char *whole = push_prefix(L, table, "");
+    field_raise(L, table->name, "%s is %s; expected a table of %s", whole, value,
+                push_field_names(L, fields));
+}
+
+// The row of the key at index, which may be a string with any bytes; NULL: none.
+static const field *find_key(lua_State *L, int index, const field *fields)
+{
+    if (lua_isinteger(L, index)) {
+        char name[32];
+        snprintf(name, sizeof name, "[%lld]", (long long)lua_tointeger(L, index));
+        return field_named(fields, name);
+    }
+    if (lua_type(L, index) != LUA_TSTRING)
+        return NULL;
+    const char *name = lua_tostring(L, index);
+    return strlen(name) == lua_rawlen(L, index) && *name != '[' ? field_named(fields, name) : NULL;
+}
+
+bool field_read_one(lua_State *L, int index, const field *f, void *to)
+{
+    index = lua_absindex(L, index);
+    if (*f->name == '[') {
+        lua_rawgeti(L, index, strtol(f->name + 1, NULL, 10));
+    } else {
+        lua_pushstring(L, f->name);
+        lua_rawget(L, index);
+    }
+    bool given = !lua_isnil(L, -1);
+    if (given)
+        f->type->read(L, f, (char *)to + f->offset);
     lua_pop(L, 1);
-    return false;
+    return given;
+}
+
+// First which fields there are, since Lua's own order changes from run to run.
+static uint64_t read_fields(lua_State *L, int index, const char *what, const field_table *table,
+                            const field *fields, void *to)
+{
+    uint64_t given = 0;
+    if (lua_isnoneornil(L, index) && !table)
+        return 0;
+    index = lua_absindex(L, index);
+    if (table && !lua_istable(L, index))
+        refuse_table(L, index, table, fields);
+    luaL_checktype(L, index, LUA_TTABLE);
+    luaL_checkstack(L, 12, "too many tables in tables");
+    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+        const field *f = find_key(L, -2, fields);
+        if (!f)
+            refuse_key(L, what, table, fields);
+        else
+            given |= UINT64_C(1) << (f - fields);
+    }
+    for (uint64_t left = given; left; left &= left - 1) {
+        field f = fields[__builtin_ctzll(left)];
+        f.table = table;
+        field_read_one(L, index, &f, to);
+    }
+    return given;
+}
+
+uint64_t field_read(lua_State *L, int index, const char *what, const field *fields, void *to)
+{
+    return read_fields(L, index, what, NULL, fields, to);
+}
+
+uint64_t field_read_row(lua_State *L, int index, field_table table, const field *fields, void *to)
+{
+    return read_fields(L, index, NULL, &table, fields, to);
+}
+
+void field_push(lua_State *L, const field *f, const void *from)
+{
+    f->type->push(L, f, (const char *)from + f->offset);
+}
+
+void field_push_table(lua_State *L, const field *fields, const void *from)
+{
+    lua_newtable(L);
+    for (const field *f = fields; f->name; ++f) {
+        field_push(L, f, from);
+        lua_setfield(L, -2, f->name);
+    }
+}
+
+void field_read_struct(lua_State *L, const field *f, void *at)
+{
+    if (!lua_istable(L, -1)) {
+        const char *names = push_field_names(L, f->type->fields);
+        const char *expected = lua_pushfstring(L, "a table of %s", names);
+        lua_pushvalue(L, -3);
+        field_refuse(L, f, expected);
+    }
+    field_read(L, -1, f->type->what, f->type->fields, at);
+}
+
+void field_push_struct(lua_State *L, const field *f, const void *at)
+{
+    field_push_table(L, f->type->fields, at);
+}
+
+void field_push_list(lua_State *L, const field *fields, const void *from, uint64_t n, size_t size)
+{
+    lua_createtable(L, (int)n, 0);
+    for (uint64_t i = 0; i < n; ++i) {
+        field_push_table(L, fields, (const char *)from + i * size);
+        lua_rawseti(L, -2, (lua_Integer)i + 1);
+    }
 }

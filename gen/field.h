@@ -1,36 +1,143 @@
 // SPDX-License-Identifier: MIT
-// Reads the fields of a table that a script returned, as a def is read.
-//
-// A field that is wrong or unknown is a Lua error with the script's file and,
-// where that can be told, the line: so these belong in a C function called
-// through script_call, right after the script ran. `table` is a stack index.
-// A field that is nil takes the fallback.
+// The fields of a C struct, as a table of rows: by it a Lua table is read into the struct, and the
+// struct told to Lua.
 #ifndef GEN_FIELD_H
 #define GEN_FIELD_H
 
+#include "gen/each.h"
+#include "gen/field_line.h"
+
 #include <lua.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
-// Raises "file:line: WHAT has no field 'x': there are a, b, c" for a key that
-// is not in names, which ends with NULL.
-void field_only(lua_State *L, int table, const char *what, const char *const *names);
+typedef struct field field;
 
-bool field_boolean(lua_State *L, int table, const char *name, bool fallback);
-double field_number(lua_State *L, int table, const char *name, double fallback); // finite
-int64_t field_integer(lua_State *L, int table, const char *name, int64_t fallback);
-const char *field_string(lua_State *L, int table, const char *name, const char *fallback);
+// read takes the value on top of the stack, or raises an error; push pushes
+// one. Either may be missing if the other is all that is used.
+typedef struct field_type {
+    void (*read)(lua_State *L, const field *f, void *at);
+    void (*push)(lua_State *L, const field *f, const void *at);
+    const field *fields; // a struct's
+    const char *what;    // its name in messages: "a plan"
+} field_type;
 
-// Pushes the value if it is of that type (LUA_TTABLE, LUA_TFUNCTION); pushes
-// nothing and is false if it is nil.
-bool field_push(lua_State *L, int table, const char *name, int type);
+// A table in another, in messages: "workload 3", or "args.x" if row is negative.
+typedef struct field_table {
+    const char *name;
+    lua_Integer row;
+} field_table;
 
-// The line of the script that gives name a value; 0 if there is none, or more than one.
-int field_line(lua_State *L, const char *name);
+struct field {
+    const char *name; // "[1]": the table's first element
+    const field_type *type;
+    size_t offset;
+    size_t size;                       // offset of the member
+    const char *(*name_of)(int value); // names of an enum: NULL past the last
+    double least, most;                // of numbers; both 0: any
+    const char *expected;              // in messages; NULL: as the type says
+    const field_table *table;          // set while it is read; NULL: none
+};
 
-// Raises "file:line: message", the line being where the script gives name a
-// value; NULL for a message about the whole file.
-int field_raise(lua_State *L, const char *name, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+// A list of names in a table, kept alive by it; { "auto", "paper" }.
+enum { FIELD_NAMES = 32 };
+typedef struct field_name_list {
+    const char *names[FIELD_NAMES];
+    uint32_t n;
+} field_name_list;
+
+// Rows of a table of fields, which ends with {0}: several whose types say how they are read, of a
+// struct or of one that lies in it at `path`, which ends with a point; and one of another type.
+#define FIELDS(struct_, ...) EACH(FIELD_OF, struct_, , __VA_ARGS__)
+#define FIELDS_IN(struct_, path, ...) EACH(FIELD_OF, struct_, path, __VA_ARGS__)
+#define FIELD_OF(struct_, path, member) \
+    FIELD_AT(#member, FIELD_TYPE(((struct_ *)0)->path member), struct_, path member)
+#define FIELD(type, struct_, member) FIELD_AT(#member, type, struct_, member)
+#define FIELD_IN(type, struct_, path, member) FIELD_AT(#member, type, struct_, path member)
+#define FIELD_ENUM(struct_, member, name_of) FIELD_ENUM_AT(#member, struct_, member, name_of)
+#define FIELD_AT(name, type, struct_, path)  \
+    {                                        \
+        FIELD_ROW(name, type, struct_, path) \
+    }
+#define FIELD_ENUM_AT(name, struct_, path, name_of_)                      \
+    {                                                                     \
+        FIELD_ROW(name, field_enum, struct_, path), .name_of = (name_of_) \
+    }
+
+// Rows with a range: finite numbers from 0 on, and any from least to most.
+#define FIELDS_FROM_0(struct_, path, ...) EACH(FIELD_FROM_0, struct_, path, __VA_ARGS__)
+#define FIELD_FROM_0(struct_, path, member) \
+    FIELD_WITHIN(struct_, path, member, 0, FLT_MAX, "a finite number from 0")
+#define FIELDS_FINITE(struct_, path, ...) EACH(FIELD_FINITE, struct_, path, __VA_ARGS__)
+#define FIELD_FINITE(struct_, path, member) \
+    FIELD_WITHIN(struct_, path, member, -FLT_MAX, FLT_MAX, NULL)
+#define FIELD_WITHIN(struct_, path, member, least_, most_, expected_)                      \
+    {                                                                                      \
+        FIELD_ROW(#member, FIELD_TYPE(((struct_ *)0)->path member), struct_, path member), \
+            .least = (least_), .most = (most_), .expected = (expected_)                    \
+    }
+#define FIELD_ROW(name_, type_, struct_, path)                            \
+    .name = (name_), .type = &(type_), .offset = offsetof(struct_, path), \
+    .size = sizeof((struct_ *)0)->path
+
+// The same without a name: a whole table, for a call.
+#define FIELD_LIST(struct_, ...) ((const field[]){FIELDS(struct_, __VA_ARGS__), {0}})
+
+// clang-format off
+#define FIELD_TYPE(value) *_Generic((value),                                                  \
+    const char *: &field_string, char *: &field_chars, bool: &field_bool,                      \
+    uint32_t: &field_count, uint64_t: &field_count, int32_t: &field_int, int64_t: &field_int,  \
+    float: &field_float, float *: &field_float, double: &field_double, double *: &field_double,\
+    uint32_t *: &field_counts, uint64_t *: &field_sizes, field_name_list: &field_names)
+// clang-format on
+
+extern const field_type field_string;   // const char *; the table's, so only read by a call
+extern const field_type field_chars;    // char[size]
+extern const field_type field_bool;     // bool
+extern const field_type field_count;    // uint32_t or uint64_t
+extern const field_type field_int;      // int32_t or int64_t
+extern const field_type field_float;    // float, or several: { x, y, z }
+extern const field_type field_double;   // double, or several
+extern const field_type field_counts;   // several uint32_t
+extern const field_type field_sizes;    // several uint64_t
+extern const field_type field_enum;     // an enum, by its name
+extern const field_type field_names;    // a field_name_list
+extern const field_type field_function; // bool: that there is one
+extern const field_type field_unread;   // anything: the caller reads it
+
+// read and push of a type that is a struct: a table. Fields that it leaves out stay as they are.
+void field_read_struct(lua_State *L, const field *f, void *at);
+void field_push_struct(lua_State *L, const field *f, const void *at);
+
+// Copies the table at index into the struct, in the order of the rows; nil or none leaves it as it
+// is, and so does a field that is left out. A key that is no field is an error that lists the
+// fields, so that a misspelt name is not passed over in silence. `what` is what messages call the
+// table. Metatables are not asked. Returns which rows, 64 at most, the table has: bit i for row i.
+uint64_t field_read(lua_State *L, int index, const char *what, const field *fields, void *to);
+
+// The same of a table that is a value or a row in another; each of its messages names which, and
+// what is no table is an error, too.
+uint64_t field_read_row(lua_State *L, int index, field_table table, const field *fields, void *to);
+
+// Reads the one field from the table at index, if it has it; returns whether.
+bool field_read_one(lua_State *L, int index, const field *f, void *to);
+
+// Pushes a table with all fields of the struct.
+void field_push_table(lua_State *L, const field *fields, const void *from);
+
+// Pushes a list of such tables, of n structs of `size` bytes.
+void field_push_list(lua_State *L, const field *fields, const void *from, uint64_t n, size_t size);
+
+// NULL if there is none of that name.
+const field *field_named(const field *fields, const char *name);
+void field_push(lua_State *L, const field *f, const void *from);
+
+// Pushes what a message calls the value at index: a number or text as it is,
+// others by their type, since an address would be another one on each run.
+const char *field_push_shown(lua_State *L, int index);
+
+// Read functions refuse the value on top by it: "n is 'x'; expected a whole number".
+int field_refuse(lua_State *L, const field *f, const char *expected);
 
 #endif

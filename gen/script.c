@@ -109,10 +109,8 @@ script *script_open(const script_limits *limits, duet_error *err)
         s->limits.failure = DUET_STATUS_BAD_INPUT;
     text_add(&s->name, "the sandbox");
     s->lua = text_ok(&s->name, err) ? lua_newstate(script_allocate, s) : NULL;
-    if (s->lua) {
-        *(script **)lua_getextraspace(s->lua) = s;
+    if (s->lua)
         return s;
-    }
     error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
               s->limits.memory_bytes);
     script_close(s);
@@ -271,6 +269,8 @@ const char *script_tostring(lua_State *L, int index, size_t *length)
 const char *script_chunk(lua_State *L, const char **name)
 {
     const script *s = script_of(L);
+    if (!s)
+        return NULL;
     *name = s->name.chars;
     return text_chars(&s->source);
 }

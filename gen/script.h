@@ -47,7 +47,8 @@ bool script_call(script *s, int n_args, int n_results, duet_error *err);
 bool script_run(script *s, const char *name, const char *chars, size_t n, int n_results,
                 duet_error *err);
 
-// The text of the chunk loaded last, and its name, until the next is loaded.
+// The text of the chunk loaded last, and its name, until the next is loaded; NULL if the state is
+// none of a script's.
 const char *script_chunk(lua_State *L, const char **name);
 
 // Takes from what the running call has left; raises an error if that is not

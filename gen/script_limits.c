@@ -28,7 +28,8 @@
 
 script *script_of(lua_State *L)
 {
-    return *(script **)lua_getextraspace(L);
+    void *s = NULL;
+    return lua_getallocf(L, &s) == script_allocate ? s : NULL;
 }
 
 // Whether a frame is a script's: what the state was given to serve scripts has a name

@@ -30,7 +30,7 @@ struct script {
     text source;      // its text
 };
 
-script *script_of(lua_State *L);
+script *script_of(lua_State *L); // NULL: the state is none of a script's
 
 // A call of the state's: the outermost one has all that the limits leave.
 void script_begin(script *s);

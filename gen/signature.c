@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gen/signature.h"
 #include "base/list.h"
-#include "gen/field.h"
+#include "gen/field_line.h"
 
 #include <lauxlib.h>
 #include <stdio.h>
@@ -157,10 +157,8 @@ static int by_entry(const void *a, const void *b)
     return strcmp(((const signature *)a)->entry, ((const signature *)b)->entry);
 }
 
-void signature_read(lua_State *L, int table, signature **list, uint32_t *n)
+void signature_read(lua_State *L, signature **list, uint32_t *n)
 {
-    if (!field_push(L, table, "args", LUA_TTABLE))
-        return;
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
         signature *grown = list_room(*list, *n, sizeof **list, NULL);
         if (!grown)
@@ -169,7 +167,6 @@ void signature_read(lua_State *L, int table, signature **list, uint32_t *n)
         grown[*n] = (signature){0};
         read_entry(L, &grown[(*n)++]);
     }
-    lua_pop(L, 1);
     if (*n > 1)
         qsort(*list, *n, sizeof **list, by_entry);
 }

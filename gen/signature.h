@@ -30,9 +30,9 @@ typedef struct signature {
 // Pushes a table in which each parameter of a config is a field.
 void signature_push_config(lua_State *L, const gen_setting *config, uint32_t n);
 
-// Reads field `args` of the card's table, ordered by the entries' names; raises if it
-// is wrong. The list is the caller's, to free.
-void signature_read(lua_State *L, int table, signature **list, uint32_t *n);
+// Reads the table `args` of a card, on top of the stack, ordered by the entries' names; raises if
+// it is wrong. The list is the caller's, to free.
+void signature_read(lua_State *L, signature **list, uint32_t *n);
 
 // The entry's arguments under a config. Raises if a condition is no comparison.
 void signature_resolve(lua_State *L, const signature *s, const gen_setting *config, uint32_t n,

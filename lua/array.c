@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// A row is a C struct; columns has a letter for each of its members in order:
+// A row is a C struct; columns has a letter for each of its fields in order:
 // f float, d double, i int32_t, I uint32_t, Q uint64_t, h int16_t, C uint8_t, B bool.
 typedef struct kind_info {
     lua_class class;
@@ -96,7 +96,7 @@ void array_push_view(lua_State *L, array_kind kind, array_access access, void *r
 static void refuse_value(lua_State *L, const array *a, uint64_t i, int column, const char *wanted)
 {
     luaL_error(L, "%s: row %I, column %d: %s, not %s", kinds[a->kind].class.name, (LUAI_UACINT)i,
-               column + 1, member_push_shown(L, -1), wanted);
+               column + 1, field_push_shown(L, -1), wanted);
 }
 
 static lua_Integer take_whole(lua_State *L, const array *a, uint64_t i, int column,

@@ -15,10 +15,10 @@ static int find_member(lua_State *L)
     lua_pushvalue(L, 2);
     if (lua_rawget(L, lua_upvalueindex(2)) != LUA_TNIL)
         return 1;
-    const member *m = c->members ? member_find(c->members, name) : NULL;
+    const field *m = c->fields ? field_named(c->fields, name) : NULL;
     if (!m)
-        return luaL_error(L, "%s has no '%s'", c->name, member_push_shown(L, 2));
-    member_push(L, m, c->struct_of(L));
+        return luaL_error(L, "%s has no '%s'", c->name, field_push_shown(L, 2));
+    field_push(L, m, c->struct_of(L));
     return 1;
 }
 
@@ -52,11 +52,11 @@ static int describe(lua_State *L)
     const void *from = c->struct_of(L);
     luaL_Buffer line;
     luaL_buffinit(L, &line);
-    for (const member *m = c->members; m->name; ++m) {
-        luaL_addstring(&line, m == c->members ? "" : ", ");
+    for (const field *m = c->fields; m->name; ++m) {
+        luaL_addstring(&line, m == c->fields ? "" : ", ");
         luaL_addstring(&line, m->name);
         luaL_addstring(&line, " = ");
-        member_push(L, m, from);
+        field_push(L, m, from);
         push_text(L);
         luaL_addvalue(&line);
     }
@@ -69,7 +69,7 @@ static int class_tostring(lua_State *L)
 {
     const lua_class *c = lua_touserdata(L, lua_upvalueindex(1));
     luaL_checkudata(L, 1, c->name);
-    if (!c->members && !c->about) {
+    if (!c->fields && !c->about) {
         lua_pushstring(L, c->name);
         return 1;
     }
@@ -107,8 +107,8 @@ int class_names(lua_State *L)
         return 0;
     lua_pushstring(L, c->name);
     lua_newtable(L);
-    for (int i = 0; c->members && c->members[i].name; ++i) {
-        lua_pushstring(L, c->members[i].name);
+    for (int i = 0; c->fields && c->fields[i].name; ++i) {
+        lua_pushstring(L, c->fields[i].name);
         lua_rawseti(L, -2, i + 1);
     }
     lua_newtable(L);

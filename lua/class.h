@@ -4,7 +4,7 @@
 #ifndef LUA_CLASS_H
 #define LUA_CLASS_H
 
-#include "lua/member.h"
+#include "gen/field.h"
 
 #include "duet_error.h"
 
@@ -30,9 +30,9 @@ typedef struct lua_method {
 
 typedef struct lua_class {
     const char *name;                       // "duet.scene"
-    const member *members;                  // NULL: none
+    const field *fields;                    // NULL: none
     const void *(*struct_of)(lua_State *L); // the struct of the userdata at 1; raises if closed
-    lua_CFunction about;           // without members: pushes what it is in words; raises if closed
+    lua_CFunction about;           // without fields: pushes what it is in words; raises if closed
     void (*destroy)(void *object); // "close", if the userdata begins with a handle
     const char *noun;              // the name of that: "tree"
 } lua_class;

@@ -112,21 +112,18 @@ typedef struct cluster_box {
 
 static const lua_class cluster_class;
 
-#define WORLD_MEMBER(type, member) WORLD_ENUM(type, member, NULL)
-#define WORLD_ENUM(type, member, name_of) \
-    MEMBER_AT(#member, type, duet_cluster_def, world.member, name_of)
-
-static const member def_members[] = {
-    MEMBERS(duet_cluster_def, pair, plain, weight, parts, drops_pairs, imbalance),
-    MEMBERS_IN(duet_cluster_def, world., plan, dims),
-    WORLD_ENUM(member_enum, shape, shape_name),
-    WORLD_ENUM(member_enum, level, level_name),
-    MEMBERS_IN(duet_cluster_def, world., rotated, cell, cell_fixed, max_pairs),
+static const field def_fields[] = {
+    FIELDS(duet_cluster_def, pair, plain, weight, parts, drops_pairs, imbalance),
+    FIELD_IN(field_plan, duet_cluster_def, world., plan),
+    FIELDS_IN(duet_cluster_def, world., dims),
+    FIELD_ENUM_AT("shape", duet_cluster_def, world.shape, shape_name),
+    FIELD_ENUM_AT("level", duet_cluster_def, world.level, level_name),
+    FIELDS_IN(duet_cluster_def, world., rotated, cell, cell_fixed, max_pairs),
     {0},
 };
 
-static const member box_members[] = {
-    MEMBERS(cluster_box, rank, rank_count),
+static const field box_fields[] = {
+    FIELDS(cluster_box, rank, rank_count),
     {0},
 };
 
@@ -207,7 +204,7 @@ static int create(lua_State *L)
         return class_push_failure(L, &err);
     lua_settop(L, 1);
     duet_cluster_def def = calls->default_def();
-    member_read_table(L, 1, "a cluster", def_members, &def);
+    field_read(L, 1, "a cluster", def_fields, &def);
     if (!begin_mpi(L, calls, &err) || !push_cluster(L, calls, &def, &err))
         return class_push_failure(L, &err);
     return 1;
@@ -331,7 +328,7 @@ static int cluster_step(lua_State *L)
     ++box->steps;
     if (!box->calls->step(box->cluster.object, &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, MEMBERS_OF(duet_cluster_result, objects, pairs, total_ms), &result);
+    field_push_table(L, FIELD_LIST(duet_cluster_result, objects, pairs, total_ms), &result);
     array_push_hash(L, result.hash);
     lua_setfield(L, -2, "hash");
     return 1;
@@ -356,10 +353,10 @@ static int cluster_ranks(lua_State *L)
     duet_cluster_rank *ranks = lua_newuserdatauv(L, (size_t)box->rank_count * sizeof *ranks, 0);
     if (!box->calls->get_ranks(box->cluster.object, ranks, &err))
         return class_push_failure(L, &err);
-    member_push_list(L,
-                     MEMBERS_OF(duet_cluster_rank, host, pair, objects, ghosts, pairs, sent_bytes,
-                                busy_ms, wait_ms),
-                     ranks, (uint64_t)box->rank_count, sizeof *ranks);
+    field_push_list(L,
+                    FIELD_LIST(duet_cluster_rank, host, pair, objects, ghosts, pairs, sent_bytes,
+                               busy_ms, wait_ms),
+                    ranks, (uint64_t)box->rank_count, sizeof *ranks);
     return 1;
 }
 
@@ -402,18 +399,18 @@ static int cluster_advance(lua_State *L)
     cluster_box *box = check(L);
     if (!box->calls->advance(box->cluster.object, &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(L,
-                      MEMBERS_OF(duet_cluster_motion_result, step, bodies, ghosts, contacts,
-                                 colours, total_ms, slowest_ms, mean_ms, slowest_rank),
-                      &result);
-    member_push_list(L, MEMBERS_OF(duet_event, a, b, begins), result.events, result.n_events,
-                     sizeof *result.events);
+    field_push_table(L,
+                     FIELD_LIST(duet_cluster_motion_result, step, bodies, ghosts, contacts, colours,
+                                total_ms, slowest_ms, mean_ms, slowest_rank),
+                     &result);
+    field_push_list(L, FIELD_LIST(duet_event, a, b, begins), result.events, result.n_events,
+                    sizeof *result.events);
     lua_setfield(L, -2, "events");
-    member_push_list(L, MEMBERS_OF(duet_pair, a, b), result.stays, result.n_stays,
-                     sizeof *result.stays);
+    field_push_list(L, FIELD_LIST(duet_pair, a, b), result.stays, result.n_stays,
+                    sizeof *result.stays);
     lua_setfield(L, -2, "stays");
-    member_push_list(L, MEMBERS_OF(duet_hit_event, a, b, point, normal, speed, impulse),
-                     result.hits, result.n_hits, sizeof *result.hits);
+    field_push_list(L, FIELD_LIST(duet_hit_event, a, b, point, normal, speed, impulse), result.hits,
+                    result.n_hits, sizeof *result.hits);
     lua_setfield(L, -2, "hits");
     return 1;
 }
@@ -480,7 +477,7 @@ static int cluster_user_data(lua_State *L)
 }
 
 static const lua_class cluster_class = {
-    .name = "duet.cluster", .members = box_members, .struct_of = struct_of, .noun = "cluster"};
+    .name = "duet.cluster", .fields = box_fields, .struct_of = struct_of, .noun = "cluster"};
 
 const lua_noun cluster_noun = {
     {&cluster_class},

@@ -11,11 +11,11 @@ CLASS_DESTROY(contact_query)
 static const lua_class query_class = {
     .name = "duet.contact_query", .destroy = destroy_contact_query, .noun = "query"};
 
-static const member def_members[] = {
-    MEMBER(member_share, duet_contact_query_def, share),
-    MEMBERS(duet_contact_query_def, dims),
-    MEMBER_ENUM(duet_contact_query_def, shape, shape_name),
-    MEMBERS(duet_contact_query_def, margin),
+static const field def_fields[] = {
+    FIELD(field_share, duet_contact_query_def, share),
+    FIELDS(duet_contact_query_def, dims),
+    FIELD_ENUM(duet_contact_query_def, shape, shape_name),
+    FIELDS(duet_contact_query_def, margin),
     {0},
 };
 
@@ -25,7 +25,7 @@ static int device_pair_contact_query(lua_State *L)
     duet_error err = {0};
     duet_contact_query_def def = duet_default_contact_query_def();
     def.pair = device_pair_check(L);
-    member_read_table(L, 2, "a contact query", def_members, &def);
+    field_read(L, 2, "a contact query", def_fields, &def);
     query_box *box = class_push_of(L, &query_class, sizeof *box, 1);
     box->shape = def.shape;
     box->query.object = duet_contact_query_create(&def, &err);
@@ -47,8 +47,8 @@ static int contact_query_run(lua_State *L)
                                 (uint32_t)objects->n, spans, &result, &err))
         return class_push_failure(L, &err);
     array_push_copy(L, ARRAY_CONTACTS, result.contacts, result.n_contacts);
-    member_push_table(L, MEMBERS_OF(duet_contact_query_result, touching, total_ms, device_ms),
-                      &result);
+    field_push_table(L, FIELD_LIST(duet_contact_query_result, touching, total_ms, device_ms),
+                     &result);
     return 2;
 }
 

@@ -10,19 +10,19 @@ static const char *kind_name(int value)
     return value < 3 ? names[value] : NULL;
 }
 
-static const member device_members[] = {
-    MEMBERS(duet_device_info, selector, platform, platform_version, name, vendor, driver,
-            cl_version),
-    MEMBER_ENUM(duet_device_info, kind, kind_name),
-    MEMBERS(duet_device_info, units, clock_mhz, max_group, global_bytes, local_bytes,
-            max_buffer_bytes, host_memory, fp64, can_cut),
+static const field device_fields[] = {
+    FIELDS(duet_device_info, selector, platform, platform_version, name, vendor, driver,
+           cl_version),
+    FIELD_ENUM(duet_device_info, kind, kind_name),
+    FIELDS(duet_device_info, units, clock_mhz, max_group, global_bytes, local_bytes,
+           max_buffer_bytes, host_memory, fp64, can_cut),
     {0},
 };
 
 static void push_device(lua_State *L, const duet_device_info *info)
 {
     const char *quirk;
-    member_push_table(L, device_members, info);
+    field_push_table(L, device_fields, info);
     lua_newtable(L);
     for (uint32_t i = 0; (quirk = duet_device_info_get_quirk(info, i)); ++i) {
         lua_pushstring(L, quirk);
@@ -85,8 +85,8 @@ static int pair_open(lua_State *L)
     if (lua_type(L, 1) == LUA_TSTRING)
         def.a = lua_tostring(L, 1);
     else
-        member_read_table(L, 1, "a device pair",
-                          MEMBERS_OF(duet_device_pair_def, a, b, kernel_dir, cache_dir), &def);
+        field_read(L, 1, "a device pair",
+                   FIELD_LIST(duet_device_pair_def, a, b, kernel_dir, cache_dir), &def);
     if (def.kernel_dir != kernel_dir || def.cache_dir != cache_dir)
         policy_check_trusted(L, "choosing kernel_dir or cache_dir");
     lua_handle *pair = class_push(L, &pair_class, sizeof *pair);

@@ -2,6 +2,7 @@
 // device_pair:motion: objects that move, and push each other where they touch.
 #include "lua/motion.h"
 #include "lua/policy.h"
+#include "runtime/scene/scene_fields.h"
 
 static const lua_class motion_class;
 
@@ -66,7 +67,7 @@ static int device_pair_motion(lua_State *L)
     bool of_scene = luaL_testudata(L, 2, "duet.scene");
     motion_objects o =
         of_scene ? objects_of_scene(L, scene_check(L, 2), pair) : objects_of_arrays(L, pair);
-    member_read_table(L, of_scene ? 3 : 4, "a motion", motion_def_members, &o.def);
+    field_read(L, of_scene ? 3 : 4, "a motion", motion_def_fields, &o.def);
     motion_box *box = class_push(L, &motion_class, sizeof *box);
     keep_owners(L, of_scene ? 3 : 4);
     box->motion = of_scene ? duet_motion_create_from_scene(&o.def, scene_check(L, 2), NULL, &err)
@@ -113,7 +114,7 @@ uint64_t *motion_maps_lua(lua_State *L)
 
 static int motion_effects(lua_State *L)
 {
-    motion_push_effects(L, duet_motion_get_effects(motion_check_lua(L)));
+    scene_push_effects(L, duet_motion_get_effects(motion_check_lua(L)));
     return 1;
 }
 
@@ -153,8 +154,8 @@ static int motion_explain(lua_State *L)
     const duet_motion *motion = motion_check_lua(L);
     lua_newtable(L);
     for (uint32_t i = 0; duet_motion_explain(motion, i, &info); ++i) {
-        member_push_table(L, MEMBERS_OF(duet_effect_info, name, active, called_by, kernels, bytes),
-                          &info);
+        field_push_table(L, FIELD_LIST(duet_effect_info, name, active, called_by, kernels, bytes),
+                         &info);
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -164,7 +165,7 @@ static int motion_explain_substeps(lua_State *L)
 {
     duet_substep_info info = {0};
     duet_motion_explain_substeps(motion_check_lua(L), &info);
-    member_push_table(L, MEMBERS_OF(duet_substep_info, substeps, chosen, layers, edge), &info);
+    field_push_table(L, FIELD_LIST(duet_substep_info, substeps, chosen, layers, edge), &info);
     return 1;
 }
 

@@ -15,8 +15,7 @@ typedef struct motion_box {
 
 motion_box *motion_check_box(lua_State *L, int index); // one that is open
 
-extern const member motion_def_members[];
-void motion_push_effects(lua_State *L, uint32_t effects); // a list of their names
+extern const field motion_def_fields[];
 
 // Read a ground from the table on top of the stack and push it, as a userdata; raise an error for
 // what is none.

@@ -88,8 +88,8 @@ static const array_kind row_kinds[] = {
 #include "runtime/commands/commands.inl"
 };
 
-static const member def_members[] = {
-#define DEF_MEMBER(name) MEMBER(member_double, duet_motion_def, name),
+static const field def_fields[] = {
+#define DEF_MEMBER(name) FIELD(field_double, duet_motion_def, name),
 #include "runtime/commands/def_members.inl"
     {0},
 };
@@ -124,7 +124,7 @@ command command_read_lua(lua_State *L, duet_motion_def *def)
     if (c.op->form == COMMAND_ADD) {
         read_coming(L, &c);
     } else if (c.op->form == COMMAND_DEF) {
-        member_read_table(L, 2, "what of a motion can change", def_members, def);
+        field_read(L, 2, "what of a motion can change", def_fields, def);
         c.list.n = 1;
         c.rows = def;
     } else {
@@ -151,7 +151,7 @@ static int give(lua_State *L)
 
 static int motion_def(lua_State *L)
 {
-    member_push_table(L, def_members, duet_motion_get_def(motion_check_lua(L)));
+    field_push_table(L, def_fields, duet_motion_get_def(motion_check_lua(L)));
     return 1;
 }
 

@@ -71,8 +71,8 @@ static int motion_energy(lua_State *L)
     duet_energy energy = {0};
     if (!duet_motion_get_energy(motion_check_lua(L), &energy, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, MEMBERS_OF(duet_energy, kinetic, turning, potential, momentum, angular),
-                      &energy);
+    field_push_table(L, FIELD_LIST(duet_energy, kinetic, turning, potential, momentum, angular),
+                     &energy);
     return 1;
 }
 

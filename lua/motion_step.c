@@ -8,9 +8,9 @@ typedef struct step_box {
     uint64_t step;
 } step_box;
 
-static const member step_members[] = {
-    MEMBERS(duet_motion_result, step, time, pairs, contacts, colours, rebuilt, n_events, n_stays,
-            n_hits, total_ms, timed),
+static const field step_fields[] = {
+    FIELDS(duet_motion_result, step, time, pairs, contacts, colours, rebuilt, n_events, n_stays,
+           n_hits, total_ms, timed),
     {0},
 };
 
@@ -103,7 +103,7 @@ static int motion_result_close(lua_State *L)
 }
 
 static const lua_class step_class = {
-    .name = "duet.motion_result", .members = step_members, .struct_of = step_struct};
+    .name = "duet.motion_result", .fields = step_fields, .struct_of = step_struct};
 
 int motion_advance_by(lua_State *L, int index, advance_call *advance, void *by)
 {

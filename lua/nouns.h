@@ -5,11 +5,12 @@
 #ifndef LUA_NOUNS_H
 #define LUA_NOUNS_H
 
+#include "gen/field.h"
 #include "lua/array.h"
 #include "lua/class.h"
-#include "lua/member.h"
 
 #include "runtime/duet.h"
+#include "runtime/narrowphase/accuracy.h"
 
 // The nouns, each after those whose classes it adds to.
 // clang-format off
@@ -24,10 +25,12 @@ LUA_NOUNS(DECLARE_NOUN)
 
 void load_carried(lua_State *L, const char *path); // pushes a script that the library carries
 
+extern const field_type field_plan;  // a duet_plan, as a table
+extern const field_type field_share; // uint32_t out of DUET_SHARE_ONE, as 0 to 1
+
 void plan_read(lua_State *L, duet_plan *plan);      // the argument at 2
 int plan_push(lua_State *L, const duet_plan *plan); // nil for NULL; returns 1
 const char *shape_name(int shape);
-const char *level_name(int level);
 const char *query_wants_name(int wants);
 duet_level level_check(lua_State *L, int index);
 

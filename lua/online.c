@@ -20,22 +20,19 @@ static const lua_class online_class = {
 // A script's form of the def; the rest of the C def follows from it.
 typedef struct online_def {
     duet_online_def def;
-    name_list variants;
-    name_list modes;
+    field_name_list variants;
+    field_name_list modes;
 } online_def;
 
-#define ONLINE_OPTION(type, member) MEMBER_AT(#member, type, online_def, def.member, NULL)
-
-static const member online_members[] = {
-    MEMBERS_IN(online_def, def., most_extra, keep, store),
-    MEMBER(member_names, online_def, variants),
-    MEMBER(member_names, online_def, modes),
+static const field online_fields[] = {
+    FIELDS_IN(online_def, def., most_extra, keep, store),
+    FIELDS(online_def, variants, modes),
     {0},
 };
 
 // A motion and a task have nothing but their share to move.
-static const member share_members[] = {
-    MEMBERS_IN(online_def, def., most_extra),
+static const field share_fields[] = {
+    FIELDS_IN(online_def, def., most_extra),
     {0},
 };
 
@@ -67,7 +64,7 @@ static int world_online(lua_State *L)
     world_box *world = world_check(L);
     duet_mode modes[32];
     online_def o = {.def = duet_default_online_def()};
-    member_read_table(L, 2, "an online plan", online_members, &o);
+    field_read(L, 2, "an online plan", online_fields, &o);
     if (o.def.keep)
         policy_check_trusted(L, "keeping a profile (or else keep = false)");
     o.def.world = world->world;
@@ -89,7 +86,7 @@ static int world_online(lua_State *L)
 static int follow_share(lua_State *L, followed kind, online_def *o)
 {
     duet_error err = {0};
-    member_read_table(L, 2, "an online plan", share_members, o);
+    field_read(L, 2, "an online plan", share_fields, o);
     online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
     box->kind = kind;
     box->online = duet_online_create(&o->def, &err);

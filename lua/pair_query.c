@@ -6,10 +6,10 @@ CLASS_DESTROY(pair_query)
 static const lua_class query_class = {
     .name = "duet.pair_query", .destroy = destroy_pair_query, .noun = "query"};
 
-static const member def_members[] = {
-    MEMBER(member_share, duet_pair_query_def, share),
-    MEMBER_ENUM(duet_pair_query_def, level, level_name),
-    MEMBERS(duet_pair_query_def, dims),
+static const field def_fields[] = {
+    FIELD(field_share, duet_pair_query_def, share),
+    FIELD_ENUM(duet_pair_query_def, level, level_name),
+    FIELDS(duet_pair_query_def, dims),
     {0},
 };
 
@@ -21,7 +21,7 @@ static int device_pair_query(lua_State *L)
     duet_pair_query_def def = duet_default_pair_query_def();
     def.pair = pair;
     def.share = duet_default_plan(pair).share;
-    member_read_table(L, 2, "a pair query", def_members, &def);
+    field_read(L, 2, "a pair query", def_fields, &def);
     lua_handle *query = class_push_of(L, &query_class, sizeof *query, 1);
     query->object = duet_pair_query_create(&def, &err);
     return query->object ? 1 : class_push_failure(L, &err);
@@ -42,8 +42,8 @@ static int pair_query_run(lua_State *L)
     if (!duet_pair_query_run(query, poses->rows, n, answers->rows,
                              with_separations ? separations->rows : NULL, &result, &err))
         return class_push_failure(L, &err);
-    member_push_table(
-        L, MEMBERS_OF(duet_pair_query_result, colliding, undecided, total_ms, device_ms), &result);
+    field_push_table(
+        L, FIELD_LIST(duet_pair_query_result, colliding, undecided, total_ms, device_ms), &result);
     if (with_separations)
         lua_insert(L, -2);
     else

@@ -3,31 +3,49 @@
 // and levels of accuracy, by their names.
 #include "lua/nouns.h"
 
+#include <math.h>
+
 static const char *mode_name(int mode)
 {
     return duet_mode_name((duet_mode)mode);
 }
 
-static const member plan_members[] = {
-    MEMBER(member_share, duet_plan, share),
-    MEMBER_ENUM(duet_plan, mode, mode_name),
-    MEMBERS(duet_plan, variant_a, variant_b),
+static void read_share(lua_State *L, const field *f, void *at)
+{
+    lua_Number share = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : -1;
+    if (!(share >= 0 && share <= 1))
+        field_refuse(L, f, "a part from 0 to 1");
+    *(uint32_t *)at = (uint32_t)lround(share * DUET_SHARE_ONE);
+}
+
+static void push_share(lua_State *L, const field *f, const void *at)
+{
+    (void)f;
+    lua_pushnumber(L, (lua_Number) * (const uint32_t *)at / DUET_SHARE_ONE);
+}
+
+const field_type field_share = {.read = read_share, .push = push_share};
+
+static const field plan_fields[] = {
+    FIELD(field_share, duet_plan, share),
+    FIELD_ENUM(duet_plan, mode, mode_name),
+    FIELDS(duet_plan, variant_a, variant_b),
     {0},
 };
 
-const member_type member_plan = {member_read_struct, member_push_struct, plan_members, "a plan"};
+const field_type field_plan = {field_read_struct, field_push_struct, plan_fields, "a plan"};
 
 void plan_read(lua_State *L, duet_plan *plan)
 {
-    static const member argument = {.name = "plan", .type = &member_plan};
+    static const field argument = {.name = "plan", .type = &field_plan};
     lua_settop(L, 2);
-    member_read_struct(L, &argument, plan);
+    field_read_struct(L, &argument, plan);
 }
 
 int plan_push(lua_State *L, const duet_plan *plan)
 {
     if (plan)
-        member_push_table(L, plan_members, plan);
+        field_push_table(L, plan_fields, plan);
     else
         lua_pushnil(L);
     return 1;
@@ -46,27 +64,6 @@ static int modes(lua_State *L)
 
 // ---------------------------------------------------------------- levels
 
-const char *level_name(int level)
-{
-    const duet_level_info *info = duet_level_get_info((duet_level)level);
-    return info ? info->name : NULL;
-}
-
-static const member accuracy_members[] = {
-    MEMBERS(duet_accuracy, missed, false_rate),
-    {0},
-};
-
-// Members that the table leaves out are 0.
-static void read_accuracy(lua_State *L, const member *m, void *at)
-{
-    *(duet_accuracy *)at = (duet_accuracy){0};
-    member_read_struct(L, m, at);
-}
-
-const member_type member_accuracy = {read_accuracy, member_push_struct, accuracy_members,
-                                     "an accuracy"};
-
 duet_level level_check(lua_State *L, int index)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
@@ -82,8 +79,8 @@ static int list_levels(lua_State *L)
 {
     lua_newtable(L);
     for (int level = 0; level_name(level); ++level) {
-        member_push_table(L, MEMBERS_OF(duet_level_info, name, about, missed, added),
-                          duet_level_get_info((duet_level)level));
+        field_push_table(L, FIELD_LIST(duet_level_info, name, about, missed, added),
+                         duet_level_get_info((duet_level)level));
         lua_rawseti(L, -2, level + 1);
     }
     return 1;

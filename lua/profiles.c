@@ -5,24 +5,24 @@
 #include "lua/policy.h"
 #include "profiles/duet_profiles.h"
 
-static const member device_parts[] = {
-    MEMBERS(duet_stored_device, name, part, driver),
+static const field device_parts[] = {
+    FIELDS(duet_stored_device, name, part, driver),
     {0},
 };
 
-static const member_type member_device = {.push = member_push_struct, .members = device_parts};
+static const field_type field_device = {.push = field_push_struct, .fields = device_parts};
 
-static const member profile_members[] = {
+static const field profile_fields[] = {
 #define STORED_PROFILE
-#define FIELD(type, member, value) MEMBER(member_##type, duet_stored_profile, member),
-#define DEVICE(member, name, part, driver) MEMBER(member_device, duet_stored_profile, member),
+#define COLUMN(type, member, value) FIELD(field_##type, duet_stored_profile, member),
+#define DEVICE(member, name, part, driver) FIELD(field_device, duet_stored_profile, member),
 #include "profiles/stored.inl"
     {0},
 };
 
-static const member trial_members[] = {
+static const field trial_fields[] = {
 #define STORED_TRIAL
-#define FIELD(type, member, value) MEMBER(member_##type, duet_stored_trial, member),
+#define COLUMN(type, member, value) FIELD(field_##type, duet_stored_trial, member),
 #include "profiles/stored.inl"
     {0},
 };
@@ -54,7 +54,7 @@ static int profiles(lua_State *L)
         return class_push_failure(L, &err);
     lua_newtable(L);
     for (uint32_t i = 0; i < duet_profile_list_get_count(list->object); ++i) {
-        member_push_table(L, profile_members, duet_profile_list_get_profile(list->object, i));
+        field_push_table(L, profile_fields, duet_profile_list_get_profile(list->object, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -72,7 +72,7 @@ static int profile_trials(lua_State *L)
     if (!duet_profile_get_trials(path, uid, &trials, &n, &err))
         return class_push_failure(L, &err);
     memory->object = trials;
-    member_push_list(L, trial_members, trials, n, sizeof *trials);
+    field_push_list(L, trial_fields, trials, n, sizeof *trials);
     return 1;
 }
 
@@ -131,18 +131,18 @@ static const char *grade_name(int grade)
     return duet_grade_name((duet_grade)grade);
 }
 
-static const member known_members[] = {
-    MEMBER_ENUM(duet_profile, grade, grade_name),
-    MEMBERS(duet_profile, plan),
-    MEMBER_ENUM(duet_profile, level, level_name),
-    MEMBERS(duet_profile, accuracy, true_pairs, step_ms, gain, gain_low, gain_high, verdict,
-            measured_s),
+static const field known_fields[] = {
+    FIELD_ENUM(duet_profile, grade, grade_name),
+    FIELD(field_plan, duet_profile, plan),
+    FIELD_ENUM(duet_profile, level, level_name),
+    FIELD(field_accuracy, duet_profile, accuracy),
+    FIELDS(duet_profile, true_pairs, step_ms, gain, gain_low, gain_high, verdict, measured_s),
     {0},
 };
 
 void profile_push_known(lua_State *L, const duet_profile *profile)
 {
-    member_push_table(L, known_members, profile);
+    field_push_table(L, known_fields, profile);
 }
 
 static int push_loaded(lua_State *L, bool ok, const duet_profile *profile, const duet_error *err)

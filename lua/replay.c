@@ -34,7 +34,7 @@ static int replay_advance(lua_State *L)
 static int replay_info(lua_State *L)
 {
     const duet_replay_info i = duet_replay_get_info(class_object(L, 1, &replay_class));
-    member_push_table(L, MEMBERS_OF(duet_replay_info, steps, commands, steps_done), &i);
+    field_push_table(L, FIELD_LIST(duet_replay_info, steps, commands, steps_done), &i);
     return 1;
 }
 

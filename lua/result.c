@@ -11,9 +11,9 @@ typedef struct result_box {
 
 static const lua_class result_class;
 
-static const member result_members[] = {
-    MEMBERS(duet_result, objects, bad, first_bad, candidates, undecided, total_ms, device_ms,
-            kernel_ms, bytes, cells, cell, cell_widened, grid_levels, hashed, runs, timed),
+static const field result_fields[] = {
+    FIELDS(duet_result, objects, bad, first_bad, candidates, undecided, total_ms, device_ms,
+           kernel_ms, bytes, cells, cell, cell_widened, grid_levels, hashed, runs, timed),
     {0},
 };
 
@@ -23,10 +23,10 @@ static const char *device_letter(int value)
     return value < 2 ? names[value] : NULL;
 }
 
-static const member stage_members[] = {
-    MEMBERS(duet_stage, name),
-    MEMBER_ENUM(duet_stage, device, device_letter),
-    MEMBERS(duet_stage, ms, transfer, begin_ms, end_ms),
+static const field stage_fields[] = {
+    FIELDS(duet_stage, name),
+    FIELD_ENUM(duet_stage, device, device_letter),
+    FIELDS(duet_stage, ms, transfer, begin_ms, end_ms),
     {0},
 };
 
@@ -113,7 +113,7 @@ static int result_copy(lua_State *L)
 
 void stages_push(lua_State *L, const duet_stage *stages, uint32_t n)
 {
-    member_push_list(L, stage_members, stages, n, sizeof *stages);
+    field_push_list(L, stage_fields, stages, n, sizeof *stages);
 }
 
 static int result_stages(lua_State *L)
@@ -137,7 +137,7 @@ static int result_close(lua_State *L)
 }
 
 static const lua_class result_class = {
-    .name = "duet.result", .members = result_members, .struct_of = struct_of};
+    .name = "duet.result", .fields = result_fields, .struct_of = struct_of};
 
 const lua_noun result_noun = {
     {&result_class},

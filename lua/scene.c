@@ -18,12 +18,14 @@ const char *shape_name(int value)
 
 static const lua_class scene_class;
 
-static const member info_members[] = {
-    MEMBERS(duet_scene_info, name, dims),
-    MEMBER_ENUM(duet_scene_info, shape, shape_name),
-    MEMBERS(duet_scene_info, n, rotated, cell, cell_fixed, has_world, lower, upper),
-    MEMBER_ENUM(duet_scene_info, level, level_name),
-    MEMBERS(duet_scene_info, has_accuracy, accuracy, origin_edge),
+static const field info_fields[] = {
+    FIELDS(duet_scene_info, name, dims),
+    FIELD_ENUM(duet_scene_info, shape, shape_name),
+    FIELDS(duet_scene_info, n, rotated, cell, cell_fixed, has_world, lower, upper),
+    FIELD_ENUM(duet_scene_info, level, level_name),
+    FIELDS(duet_scene_info, has_accuracy),
+    FIELD(field_accuracy, duet_scene_info, accuracy),
+    FIELDS(duet_scene_info, origin_edge),
     {0},
 };
 
@@ -46,7 +48,7 @@ static const void *info_of(lua_State *L)
 
 void scene_push_info(lua_State *L, const duet_scene_info *info)
 {
-    member_push_table(L, info_members, info);
+    field_push_table(L, info_fields, info);
 }
 
 // ---------------------------------------------------------------- making
@@ -66,7 +68,7 @@ const duet_setting *scene_read_settings(lua_State *L, int index, uint32_t *n)
         if (lua_type(L, -2) != LUA_TSTRING)
             luaL_error(L, "the settings of a scene are names with values");
         settings[i].name = lua_tostring(L, -2);
-        settings[i].value = member_push_shown(L, -1);
+        settings[i].value = field_push_shown(L, -1);
         lua_rawseti(L, -4, (lua_Integer)i + 1);
     }
     return settings;
@@ -189,7 +191,7 @@ static int scene_length(lua_State *L)
 }
 
 static const lua_class scene_class = {
-    .name = "duet.scene", .members = info_members, .struct_of = info_of};
+    .name = "duet.scene", .fields = info_fields, .struct_of = info_of};
 
 const lua_noun scene_noun = {
     {&scene_class},

@@ -21,14 +21,12 @@ typedef struct search_def {
     search_options options;
 } search_def;
 
-#define OPTION(type, member) MEMBER_AT(#member, type, search_def, options.member, NULL)
-
-static const member def_members[] = {
-    MEMBERS(search_def, strategy, strategy_lua),
-    MEMBERS_IN(search_def, options., launches, points, rounds),
-    OPTION(member_share, quantum),
-    OPTION(member_share, start),
-    MEMBERS_IN(search_def, options., probe_cost),
+static const field def_fields[] = {
+    FIELDS(search_def, strategy, strategy_lua),
+    FIELDS_IN(search_def, options., launches, points, rounds),
+    FIELD_IN(field_share, search_def, options., quantum),
+    FIELD_IN(field_share, search_def, options., start),
+    FIELDS_IN(search_def, options., probe_cost),
     {0},
 };
 
@@ -43,7 +41,7 @@ static int search_open(lua_State *L)
 {
     duet_error err = {0};
     search_def def = {.strategy = strategies[0]->name, .options = search_default_options()};
-    member_read_table(L, 1, "a search", def_members, &def);
+    field_read(L, 1, "a search", def_fields, &def);
     if (def.strategy_lua)
         policy_check_trusted(L, "a search by strategy_lua");
     search_box *box = class_push(L, &search_class, sizeof *box);

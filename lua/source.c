@@ -38,8 +38,8 @@ static source_box *push_generator(lua_State *L, duet_error *err)
 static gen_limits read_limits(lua_State *L, int index)
 {
     gen_limits limits = {.max_group = 256, .local_bytes = 32 << 10, .fp64 = true};
-    member_read_table(L, index, "a device's limits",
-                      MEMBERS_OF(gen_limits, max_group, local_bytes, fp64, cpu, units), &limits);
+    field_read(L, index, "a device's limits",
+               FIELD_LIST(gen_limits, max_group, local_bytes, fp64, cpu, units), &limits);
     return limits;
 }
 
@@ -63,10 +63,10 @@ static uint32_t read_settings(lua_State *L, int index, gen_setting settings[MOST
 
 // ---------------------------------------------------------------- functions
 
-static const member variant_members[] = {
-    MEMBERS(gen_variant, name, sha256),
-    MEMBER(member_string, gen_variant, text),
-    MEMBERS(gen_variant, group, per_item),
+static const field variant_fields[] = {
+    FIELDS(gen_variant, name, sha256),
+    FIELD(field_string, gen_variant, text),
+    FIELDS(gen_variant, group, per_item),
     {0},
 };
 
@@ -82,7 +82,7 @@ static int make_source(lua_State *L)
     source_box *box = push_generator(L, &err);
     if (!box || !gen_make(box->gen, kernel, settings, n, &limits, &box->variant, &err))
         return class_push_failure(L, &err);
-    member_push_table(L, variant_members, &box->variant);
+    field_push_table(L, variant_fields, &box->variant);
     return 1;
 }
 

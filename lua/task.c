@@ -66,8 +66,8 @@ static int task_args(lua_State *L)
     const duet_task *t = task_check_lua(L, 1);
     lua_newtable(L);
     for (uint32_t i = 0; duet_task_get_arg(t, i); ++i) {
-        member_push_table(L, MEMBERS_OF(duet_task_arg, name, type, access, elements, bytes),
-                          duet_task_get_arg(t, i));
+        field_push_table(L, FIELD_LIST(duet_task_arg, name, type, access, elements, bytes),
+                         duet_task_get_arg(t, i));
         lua_rawseti(L, -2, (lua_Integer)i + 1);
     }
     return 1;
@@ -121,7 +121,7 @@ static const void *read_list(lua_State *L, const duet_task_arg *arg, uint64_t *e
         if (!task_values_put(&v, i, L, -1))
             luaL_argerror(L, 3,
                           lua_pushfstring(L, "number %I is %s; expected one that %s holds",
-                                          (LUAI_UACINT)i + 1, member_push_shown(L, -1), arg->type));
+                                          (LUAI_UACINT)i + 1, field_push_shown(L, -1), arg->type));
         lua_pop(L, 1);
     }
     return bytes;
@@ -220,7 +220,7 @@ static int task_set_plan(lua_State *L)
 
 int task_result_push(lua_State *L, const duet_task_result *result)
 {
-    member_push_table(L, MEMBERS_OF(duet_task_result, total_ms, device_ms), result);
+    field_push_table(L, FIELD_LIST(duet_task_result, total_ms, device_ms), result);
     stages_push(L, result->stages, result->n_stages);
     lua_setfield(L, -2, "stages");
     return 1;

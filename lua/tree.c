@@ -17,11 +17,11 @@ typedef struct tree_box {
 CLASS_DESTROY(tree)
 static const lua_class tree_class = {.name = "duet.tree", .destroy = destroy_tree, .noun = "tree"};
 
-static const member def_members[] = {
-    MEMBER(member_share, duet_tree_def, share),
-    MEMBERS(duet_tree_def, dims),
-    MEMBER_ENUM(duet_tree_def, shape, shape_name),
-    MEMBERS(duet_tree_def, origin_edge),
+static const field def_fields[] = {
+    FIELD(field_share, duet_tree_def, share),
+    FIELDS(duet_tree_def, dims),
+    FIELD_ENUM(duet_tree_def, shape, shape_name),
+    FIELDS(duet_tree_def, origin_edge),
     {0},
 };
 
@@ -33,7 +33,7 @@ static int device_pair_tree(lua_State *L)
     duet_motion *motion = lua_isuserdata(L, 2) ? motion_check_at(L, 2) : NULL;
     duet_tree_def def = duet_motion_tree_def(motion);
     def.pair = pair;
-    member_read_table(L, motion ? 3 : 2, "a tree", def_members, &def);
+    field_read(L, motion ? 3 : 2, "a tree", def_fields, &def);
     tree_box *box = class_push_of(L, &tree_class, sizeof *box, 1);
     box->shape = def.origin_edge > 0 ? TREE_LARGE_POSES : (int)def.shape;
     box->tree.object = duet_tree_create(&def, &err);

@@ -11,46 +11,46 @@ typedef struct query_def {
 } query_def;
 
 // { group, mask }
-static void read_filter(lua_State *L, const member *m, void *at)
+static void read_filter(lua_State *L, const field *f, void *at)
 {
     query_def *def = at;
     uint32_t *const words[] = {&def->filter.group, &def->filter.mask};
     if (!lua_istable(L, -1) || lua_rawlen(L, -1) != 2)
-        member_refuse(L, m, "{ group, mask }");
+        field_refuse(L, f, "{ group, mask }");
     for (int i = 0; i < 2; ++i) {
         lua_rawgeti(L, -1, i + 1);
-        member_count.read(L, m, words[i]);
+        field_count.read(L, f, words[i]);
         lua_pop(L, 1);
     }
     def->asked.filter = &def->filter;
 }
 
-static const member_type member_filter = {.read = read_filter};
+static const field_type field_filter = {.read = read_filter};
 
-#define WANTS MEMBER_AT("wants", member_enum, query_def, asked.name.wants, query_wants_name)
-#define FILTER                                                             \
-    {                                                                      \
-        .name = "filter", .type = &member_filter, .size = sizeof(uint32_t) \
+#define WANTS FIELD_ENUM_AT("wants", query_def, asked.name.wants, query_wants_name)
+#define FILTER                                                            \
+    {                                                                     \
+        .name = "filter", .type = &field_filter, .size = sizeof(uint32_t) \
     }
 
-static const member ray_members[] = {
+static const field ray_fields[] = {
     WANTS,
-    MEMBER_AT("normals", member_bool, query_def, asked.normals, NULL),
+    FIELD_AT("normals", field_bool, query_def, asked.normals),
     FILTER,
     {0},
 };
-static const member sweep_members[] = {
+static const field sweep_fields[] = {
     WANTS,
     FILTER,
     {0},
 };
-static const member box_members[] = {
-    MEMBER_AT("level", member_enum, query_def, asked.level, level_name),
+static const field box_fields[] = {
+    FIELD_ENUM_AT("level", query_def, asked.level, level_name),
     FILTER,
     {0},
 };
-static const member point_members[] = {
-    MEMBER_AT("nearest", member_count, query_def, asked.name.nearest, NULL),
+static const field point_fields[] = {
+    FIELD_AT("nearest", field_count, query_def, asked.name.nearest),
     FILTER,
     {0},
 };
@@ -58,7 +58,7 @@ static const member point_members[] = {
 typedef struct query_kind {
     lua_class class;
     const char *noun;                  // "a ray query", in messages
-    const member *members;             // query_def's
+    const field *fields;               // query_def's
     array_kind takes[DUET_SHAPES + 1]; // by the tree's shape
     array_kind gives;
 } query_kind;
@@ -84,12 +84,12 @@ static void destroy(void *query)
 static const query_kind kinds[] = {
     [QUERY_RAYS] = {QUERY_CLASS("duet.ray_query"),
                     "a ray query",
-                    ray_members,
+                    ray_fields,
                     {ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_RAYS, ARRAY_LARGE_RAYS},
                     ARRAY_HITS},
     [QUERY_SWEEPS] = {QUERY_CLASS("duet.sweep_query"),
                       "a sweep query",
-                      sweep_members,
+                      sweep_fields,
                       {[DUET_SHAPE_POSES] = ARRAY_SWEEPS,
                        [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS_SWEEPS,
                        [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_SWEEPS,
@@ -98,7 +98,7 @@ static const query_kind kinds[] = {
                       ARRAY_SWEEP_HITS},
     [QUERY_BOXES] = {QUERY_CLASS("duet.box_query"),
                      "a box query",
-                     box_members,
+                     box_fields,
                      {[DUET_SHAPE_POSES] = ARRAY_POSES,
                       [DUET_SHAPE_BOUNDS] = ARRAY_BOUNDS,
                       [DUET_SHAPE_ROUNDED_BOXES] = ARRAY_ROUNDED_BOXES,
@@ -107,7 +107,7 @@ static const query_kind kinds[] = {
                      ARRAY_BOX_HITS},
     [QUERY_POINTS] = {QUERY_CLASS("duet.point_query"),
                       "a point query",
-                      point_members,
+                      point_fields,
                       {ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_POINTS, ARRAY_LARGE_POINTS},
                       ARRAY_POINT_HITS},
 };
@@ -131,7 +131,7 @@ static int create(lua_State *L)
     const query_kind *kind = &kinds[item];
     query_def def = {.asked = {.name = {.item = item}}};
     duet_tree *tree = tree_check(L);
-    member_read_table(L, 2, kind->noun, kind->members, &def);
+    field_read(L, 2, kind->noun, kind->fields, &def);
     query_box *box = class_push_of(L, &kind->class, sizeof *box, 1);
     box->item = item;
     box->takes = kind->takes[tree_shape(L)];
@@ -142,7 +142,7 @@ static int create(lua_State *L)
 static int push_found(lua_State *L, query_item item, const query_result *found)
 {
     array_push_copy(L, kinds[item].gives, found->hits, found->n_hits);
-    member_push_table(L, MEMBERS_OF(query_result, undecided, total_ms, device_ms), found);
+    field_push_table(L, FIELD_LIST(query_result, undecided, total_ms, device_ms), found);
     if (found->normals) {
         array_push_copy(L, ARRAY_POINTS, found->normals, found->n_hits);
         lua_setfield(L, -2, "normals");

@@ -7,112 +7,85 @@
 
 #include <string.h>
 
-static void read_names(lua_State *L, const member *m, void *at)
-{
-    name_list *list = at;
-    lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
-    if (n < 1 || n > sizeof list->names / sizeof list->names[0])
-        member_refuse(L, m, "a list of 1 to 32 names");
-    for (list->n = 0; list->n < n; ++list->n) {
-        lua_rawgeti(L, -1, (lua_Integer)list->n + 1);
-        if (lua_type(L, -1) != LUA_TSTRING)
-            member_refuse(L, m, "a list of names");
-        list->names[list->n] = lua_tostring(L, -1);
-        lua_pop(L, 1);
-    }
-}
-
-const member_type member_names = {.read = read_names};
-
 // One name, or a list of them.
-static void read_levels(lua_State *L, const member *m, void *at)
+static void read_levels(lua_State *L, const field *f, void *at)
 {
-    name_list *list = at;
+    field_name_list *list = at;
     if (lua_type(L, -1) != LUA_TSTRING) {
-        read_names(L, m, at);
+        field_names.read(L, f, at);
         return;
     }
     list->names[0] = lua_tostring(L, -1);
     list->n = 1;
 }
 
-static const member_type member_levels = {.read = read_levels};
-
-// The function stays in the def's table and is called from there.
-static void read_watch(lua_State *L, const member *m, void *at)
-{
-    if (!lua_isfunction(L, -1))
-        member_refuse(L, m, "a function");
-    *(bool *)at = true;
-}
-
-static const member_type member_watch = {.read = read_watch};
+static const field_type field_levels = {.read = read_levels};
 
 // false: no store; true: what another strategy than the default one finds, too.
-static void read_keep(lua_State *L, const member *m, void *at)
+static void read_keep(lua_State *L, const field *f, void *at)
 {
     if (!lua_isboolean(L, -1))
-        member_refuse(L, m, "true or false");
+        field_refuse(L, f, "true or false");
     *(duet_keep *)at = lua_toboolean(L, -1) ? DUET_KEEP_ALWAYS : DUET_KEEP_NOTHING;
 }
 
-static const member_type member_keep = {.read = read_keep};
+static const field_type field_keep = {.read = read_keep};
 
 // A script's form of the def; the rest of the C def follows from it.
 typedef struct tune_def {
     duet_tune_def def;
-    name_list variants;
-    name_list modes;
-    name_list levels;
-    bool watch;
+    field_name_list variants;
+    field_name_list modes;
+    field_name_list levels;
+    bool watch; // the function stays in the def's table and is called from there
 } tune_def;
 
-#define OPTION(type, member) MEMBER_AT(#member, type, tune_def, def.member, NULL)
-
-static const member def_members[] = {
-    MEMBERS_IN(tune_def, def., store),
-    OPTION(member_keep, keep),
-    MEMBERS_IN(tune_def, def., ordered, fresh, strategy, strategy_lua, strategy_name, objective,
-               search, query, items, steps),
-    MEMBER(member_names, tune_def, variants),
-    MEMBER(member_names, tune_def, modes),
-    MEMBERS_IN(tune_def, def., budget_seconds, budget_trials, wait_seconds, repeats, seed, script),
-    MEMBER_AT("level", member_levels, tune_def, levels, NULL),
-    MEMBERS_IN(tune_def, def., accuracy),
-    MEMBER(member_watch, tune_def, watch),
+static const field def_fields[] = {
+    FIELDS_IN(tune_def, def., store),
+    FIELD_IN(field_keep, tune_def, def., keep),
+    FIELDS_IN(tune_def, def., ordered, fresh, strategy, strategy_lua, strategy_name, objective,
+              search, query, items, steps),
+    FIELDS(tune_def, variants, modes),
+    FIELDS_IN(tune_def, def., budget_seconds, budget_trials, wait_seconds, repeats, seed, script),
+    FIELD_AT("level", field_levels, tune_def, levels),
+    FIELD_IN(field_accuracy, tune_def, def., accuracy),
+    FIELD(field_function, tune_def, watch),
     {0},
 };
 
-static const member terms_members[] = {
-    MEMBERS(duet_tune_terms, t1, cpu1, cpu2, gpu1, gpu2, gpu3, bus1, bus2, bus3, imbalance, joules),
+static const field terms_fields[] = {
+    FIELDS(duet_tune_terms, t1, cpu1, cpu2, gpu1, gpu2, gpu3, bus1, bus2, bus3, imbalance, joules),
     {0},
 };
 
-static const member_type member_terms = {.push = member_push_struct, .members = terms_members};
+static const field_type field_terms = {.push = field_push_struct, .fields = terms_fields};
 
 // A's and B's.
-static void push_kernels(lua_State *L, const member *m, const void *at)
+static void push_kernels(lua_State *L, const field *f, const void *at)
 {
-    (void)m;
-    member_push_list(L,
-                     MEMBERS_OF(duet_kernel_search, configs, tried, launches, gain, gain_low,
-                                gain_high, verdict),
-                     at, 2, sizeof(duet_kernel_search));
+    (void)f;
+    field_push_list(L,
+                    FIELD_LIST(duet_kernel_search, configs, tried, launches, gain, gain_low,
+                               gain_high, verdict),
+                    at, 2, sizeof(duet_kernel_search));
 }
 
-static const member_type member_kernels = {.push = push_kernels};
+static const field_type field_kernels = {.push = push_kernels};
 
-static const member outcome_members[] = {
-    MEMBERS(duet_tune_outcome, plan, best, objects),
-    MEMBER_ENUM(duet_tune_outcome, level, level_name),
-    MEMBERS(duet_tune_outcome, accuracy, true_pairs, gain, gain_low, gain_high, verdict, rounds,
-            watched, disturbed, step_ms, step_low_ms, step_high_ms, single_ms, single_joules,
-            whole_ms, whole_gain),
-    MEMBERS(duet_tune_outcome, whole_gain_low, whole_gain_high),
-    MEMBER(member_terms, duet_tune_outcome, terms),
-    MEMBER(member_kernels, duet_tune_outcome, kernels),
-    MEMBERS(duet_tune_outcome, plans, plans_tried, trials, launches, seconds, known, resumed, uid,
-            unused),
+static const field outcome_fields[] = {
+    FIELD(field_plan, duet_tune_outcome, plan),
+    FIELD(field_plan, duet_tune_outcome, best),
+    FIELDS(duet_tune_outcome, objects),
+    FIELD_ENUM(duet_tune_outcome, level, level_name),
+    FIELD(field_accuracy, duet_tune_outcome, accuracy),
+    FIELDS(duet_tune_outcome, true_pairs, gain, gain_low, gain_high, verdict, rounds, watched,
+           disturbed, step_ms, step_low_ms, step_high_ms, single_ms, single_joules, whole_ms,
+           whole_gain),
+    FIELDS(duet_tune_outcome, whole_gain_low, whole_gain_high),
+    FIELD(field_terms, duet_tune_outcome, terms),
+    FIELD(field_kernels, duet_tune_outcome, kernels),
+    FIELDS(duet_tune_outcome, plans, plans_tried, trials, launches, seconds, known, resumed, uid,
+           unused),
     {0},
 };
 
@@ -129,10 +102,10 @@ static int call_watch(lua_State *L)
 {
     const duet_tune_progress *progress = lua_touserdata(L, 2);
     lua_pushvalue(L, 1);
-    member_push_table(L,
-                      MEMBERS_OF(duet_tune_progress, stage, ms, trials, most_trials, launches,
-                                 seconds, remembered, expected_seconds, waiting),
-                      progress);
+    field_push_table(L,
+                     FIELD_LIST(duet_tune_progress, stage, ms, trials, most_trials, launches,
+                                seconds, remembered, expected_seconds, waiting),
+                     progress);
     plan_push(L, progress->plan);
     lua_setfield(L, -2, "plan");
     lua_call(L, 1, 1);
@@ -160,11 +133,11 @@ static duet_mode find_mode(lua_State *L, const char *name)
 {
     duet_mode mode = DUET_MODE_SHARED;
     if (!mode_from_name(name, &mode))
-        luaL_error(L, "field 'modes': there is no mode '%s'; duet.modes() lists them", name);
+        luaL_error(L, "modes: there is no mode '%s'; duet.modes() lists them", name);
     return mode;
 }
 
-uint32_t tune_read_modes(lua_State *L, const name_list *names, duet_mode modes[32])
+uint32_t tune_read_modes(lua_State *L, const field_name_list *names, duet_mode modes[32])
 {
     for (uint32_t i = 0; i < names->n; ++i)
         modes[i] = find_mode(L, names->names[i]);
@@ -175,7 +148,7 @@ static duet_level find_level(lua_State *L, const char *name)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
     if (!duet_level_from_name(name, &level))
-        luaL_error(L, "field 'level': there is no level '%s'; duet.levels() lists them", name);
+        luaL_error(L, "level: there is no level '%s'; duet.levels() lists them", name);
     return level;
 }
 
@@ -199,7 +172,7 @@ static int device_pair_tune(lua_State *L)
     t.def.task = task_file_test(L, 2);
     t.def.scene = t.def.task ? NULL : scene_check(L, 2);
     lua_settop(L, 3);
-    member_read_table(L, 3, "a tuning", def_members, &t);
+    field_read(L, 3, "a tuning", def_fields, &t);
     check_policy(L, &t.def);
     t.def.variants = t.variants.names;
     t.def.n_variants = t.variants.n;
@@ -222,7 +195,7 @@ static int device_pair_tune(lua_State *L)
         return lua_error(L);
     if (!ok)
         return class_push_failure(L, &err);
-    member_push_table(L, outcome_members, &outcome);
+    field_push_table(L, outcome_fields, &outcome);
     return 1;
 }
 

@@ -4,12 +4,14 @@
 
 static const lua_class world_class;
 
-static const member def_members[] = {
-    MEMBERS(duet_world_def, plan, dims),
-    MEMBER_ENUM(duet_world_def, shape, shape_name),
-    MEMBER_ENUM(duet_world_def, level, level_name),
-    MEMBERS(duet_world_def, rotated, cell, cell_fixed, lower, upper, separate_sizes,
-            compact_transforms, ordered, keep_bad, max_pairs, stage_times, accuracy),
+static const field def_fields[] = {
+    FIELD(field_plan, duet_world_def, plan),
+    FIELDS(duet_world_def, dims),
+    FIELD_ENUM(duet_world_def, shape, shape_name),
+    FIELD_ENUM(duet_world_def, level, level_name),
+    FIELDS(duet_world_def, rotated, cell, cell_fixed, lower, upper, separate_sizes,
+           compact_transforms, ordered, keep_bad, max_pairs, stage_times),
+    FIELD(field_accuracy, duet_world_def, accuracy),
     {0},
 };
 
@@ -42,7 +44,7 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
     def.pair = pair;
     if (lua_isnoneornil(L, index))
         return def;
-    member_read_table(L, index, "a world", def_members, &def);
+    field_read(L, index, "a world", def_fields, &def);
     bool lower = has_field(L, index, "lower");
     bool upper = has_field(L, index, "upper");
     if (lower != upper)

@@ -19,7 +19,7 @@ struct duet_profile_list {
 
 static const sql_column profile_columns[] = {
 #define STORED_PROFILE
-#define FIELD(type, member, value) SQL_COLUMN(value, duet_stored_profile, member),
+#define COLUMN(type, member, value) SQL_COLUMN(value, duet_stored_profile, member),
 #define DEVICE(member, name_, part_, driver_)                \
     SQL_COLUMN(name_, duet_stored_profile, member.name),     \
         SQL_COLUMN(part_, duet_stored_profile, member.part), \
@@ -75,7 +75,7 @@ const duet_stored_profile *duet_profile_list_get_profile(const duet_profile_list
 
 static const sql_column trial_columns[] = {
 #define STORED_TRIAL
-#define FIELD(type, member, value) SQL_COLUMN(value, duet_stored_trial, member),
+#define COLUMN(type, member, value) SQL_COLUMN(value, duet_stored_trial, member),
 #include "profiles/stored.inl"
     {0},
 };

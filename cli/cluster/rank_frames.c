@@ -44,7 +44,8 @@ static bool write_bodies(const rank_frames *f, uint32_t k, const char *path, dou
 {
     duet_motion *motion = moving_get_motion(f->cluster->moving, k);
     body_states bodies;
-    bool ok = body_states_read(&bodies, motion, err);
+    bool ok =
+        body_states_read(&bodies, motion, err) && body_states_read_asleep(&bodies, motion, err);
     if (ok) {
         moving_get_own_ids(f->cluster->moving, k, bodies.ids);
         ok = vtk_bodies_write(path, &bodies, f->solids, bodies.def.dims, time, err);

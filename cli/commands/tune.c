@@ -238,8 +238,8 @@ static bool make_config(arguments *args, const char *path, tune_config *config, 
     if (!change_levels(&args->level, config, err))
         return false;
     return !args->variants ||
-           cut_list(&config->list, args->variants, "--variants", config->variants, CONFIG_VARIANTS,
-                    &config->def.n_variants, err);
+           cut_list(&config->list, args->variants, "--variants", config->variants.names,
+                    FIELD_NAMES, &config->def.n_variants, err);
 }
 
 // ---------------------------------------------------------------- workloads

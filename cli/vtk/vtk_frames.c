@@ -44,8 +44,10 @@ static bool add_ground(vtk_frames *f, const body_states *bodies, double time, du
 bool vtk_frames_add(vtk_frames *f, double time, duet_error *err)
 {
     body_states bodies;
-    bool ok = body_states_read(&bodies, f->motion, err) && add_ground(f, &bodies, time, err) &&
-              add_bodies(f, &bodies, time, err) && add_contacts(f, &bodies, time, err);
+    bool ok = body_states_read(&bodies, f->motion, err) &&
+              body_states_read_asleep(&bodies, f->motion, err) &&
+              add_ground(f, &bodies, time, err) && add_bodies(f, &bodies, time, err) &&
+              add_contacts(f, &bodies, time, err);
     body_states_free(&bodies);
     return ok;
 }

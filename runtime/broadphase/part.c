@@ -138,8 +138,8 @@ void part_close(part *p)
     host_block_release(&p->fetched);
     host_block_release(&p->early);
     host_block_release(&p->sent);
-    host_block_release(&p->requests.seen);
-    host_block_release(&p->skimmed.seen);
+    host_block_release(&p->requests.on_host);
+    host_block_release(&p->skimmed.on_host);
     host_block_release(&p->changes);
     program_set_close(p->programs);
     gen_close(p->gen);

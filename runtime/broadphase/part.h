@@ -182,12 +182,12 @@ typedef struct part {
     };
     struct {
         buffer blocks;                  // kernels/grid/skim.h, of objects that were prefetched
-        host_block seen;                // the same on the host
+        host_block on_host;             // the same on the host
         cl_event done[2 * VIEW_CHUNKS]; // when those of a chunk are
     } skimmed;
     struct {
         buffer words;        // [n / INPUT_BLOCK] the epoch, if the other part needs the block
-        host_block seen;     // on the host, if the device has memory of its own
+        host_block on_host;  // on the host, if the device has memory of its own
         block_requests last; // the last step's
     } requests;
 

@@ -231,12 +231,12 @@ static bool fetch_and_decide(part *p, duet_pair *colliding, duet_error *err)
     const duet_pair *open = NULL;
     uint64_t n = count_to_fetch(p);
     uint64_t n_colliding = 0;
-    open_objects seen = {0};
+    open_objects objects = {0};
     bool ok = reserve_span(p, n, &pairs, err) && fetch_rest(p, pairs_to_fetch(p), pairs, n, err) &&
-              fetch_open(p, &open, colliding, err) && see_open_objects(p, open, &seen, err);
+              fetch_open(p, &open, colliding, err) && see_open_objects(p, open, &objects, err);
     if (ok)
-        n_colliding = decide(p, &seen, open, colliding);
-    free_open_objects(&seen);
+        n_colliding = decide(p, &objects, open, colliding);
+    free_open_objects(&objects);
     ok = ok && timeline_finish(&p->times, err);
     if (ok && n_colliding > 0)
         memcpy(pairs + n, colliding, (size_t)n_colliding * sizeof *pairs);
@@ -249,13 +249,13 @@ static bool fetch_and_decide(part *p, duet_pair *colliding, duet_error *err)
 static bool decide_on_device(part *p, duet_pair *colliding, duet_error *err)
 {
     uint64_t n_colliding = 0;
-    open_objects seen = {0};
+    open_objects objects = {0};
     bool ok = timeline_read(&p->times, "fetch pairs", &p->undecided, colliding,
                             p->result.n_undecided * sizeof *colliding, err) &&
-              see_open_objects(p, colliding, &seen, err);
+              see_open_objects(p, colliding, &objects, err);
     if (ok)
-        n_colliding = decide(p, &seen, colliding, colliding);
-    free_open_objects(&seen);
+        n_colliding = decide(p, &objects, colliding, colliding);
+    free_open_objects(&objects);
     p->result.span.n = p->result.found.pairs + n_colliding;
     return ok &&
            timeline_write_at(&p->times, "send pairs", &p->pairs,

@@ -89,10 +89,10 @@ static bool read_requests(part *p, duet_error *err)
     const buffer *words = &p->requests.words;
     const size_t bytes = words->bytes;
     bool ok = p->device->info.host_memory ||
-              (host_block_reserve(&p->requests.seen, p->device, 1, bytes, err) &&
+              (host_block_reserve(&p->requests.on_host, p->device, 1, bytes, err) &&
                timeline_start_read(&p->times, "fetch marks", &p->requests.words, 0,
-                                   p->requests.seen.bytes, bytes, err));
-    p->requests.last.words = words->host ? words->host : p->requests.seen.bytes;
+                                   p->requests.on_host.bytes, bytes, err));
+    p->requests.last.words = words->host ? words->host : p->requests.on_host.bytes;
     return ok;
 }
 

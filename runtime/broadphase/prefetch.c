@@ -65,7 +65,7 @@ static bool skim_chunk(part *p, uint32_t from, uint32_t i, duet_error *err)
     bool ok =
         timeline_launch_after(&p->times, "skim", p->kernels.skim, c->to - from, c->sent, p, err) &&
         timeline_start_read(&p->times, "fetch skim", &p->skimmed.blocks, at * sizeof(skim_block),
-                            (skim_block *)p->skimmed.seen.bytes + at,
+                            (skim_block *)p->skimmed.on_host.bytes + at,
                             (end - at) * sizeof(skim_block), err);
     p->skimmed.done[i] = timeline_last_event(&p->times);
     return ok;
@@ -80,7 +80,7 @@ static bool skim(part *p, const duet_world_def *def, const float inside_lower[3]
     uint32_t n = v->chunks[v->n_chunks - 1].to, from = 0;
     size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
     bool ok = buffer_reserve(&p->skimmed.blocks, p->device, bytes, NULL) &&
-              host_block_reserve(&p->skimmed.seen, p->device, 1, bytes, err);
+              host_block_reserve(&p->skimmed.on_host, p->device, 1, bytes, err);
     p->args = (part_args){.objects = v->own};
     memcpy(&p->args.inside_lower, inside_lower, 3 * sizeof *inside_lower);
     memcpy(&p->args.inside_upper, inside_upper, 3 * sizeof *inside_upper);
@@ -110,6 +110,6 @@ uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **b
     while (i + 1 < p->objects.n_chunks && p->objects.chunks[i].to <= from)
         ++i;
     timeline_spin(&p->times, p->skimmed.done[i]);
-    *blocks = p->skimmed.seen.bytes;
+    *blocks = p->skimmed.on_host.bytes;
     return p->objects.chunks[i].to;
 }

@@ -2,8 +2,7 @@
 #include "runtime/narrowphase/accuracy.h"
 
 #include "base/error.h"
-#include "gen/field.h"
-
+#include <float.h>
 #include <math.h>
 
 // Returns what is wrong with it; NULL: nothing.
@@ -24,36 +23,24 @@ bool accuracy_check(const duet_accuracy *accuracy, const char *whose, duet_error
                      whose, accuracy->missed, accuracy->false_rate, fault);
 }
 
-// Lua unwinds past C, so what is built for the message must not need freeing.
-static void raise_unknown(lua_State *L, const char *name)
+const char *level_name(int level)
 {
-    lua_pushstring(L, "");
-    for (int l = 0; l < DUET_LEVELS; ++l) {
-        lua_pushfstring(L, "%s%s", l ? ", " : "", duet_level_get_info((duet_level)l)->name);
-        lua_concat(L, 2);
-    }
-    field_raise(L, "level", "there is no level '%s': there are %s", name, lua_tostring(L, -1));
+    const duet_level_info *info = duet_level_get_info((duet_level)level);
+    return info ? info->name : NULL;
 }
 
-void accuracy_read_level(lua_State *L, int table, duet_level *level)
+static const field accuracy_fields[] = {
+    FIELD_WITHIN(duet_accuracy, , missed, 0, 1, "a part of the pairs that collide, from 0 to 1"),
+    FIELD_WITHIN(duet_accuracy, , false_rate, 0, DBL_MAX, "pairs by pairs that collide, 0 or more"),
+    {0},
+};
+
+static void read_accuracy(lua_State *L, const field *f, void *at)
 {
-    const char *name = field_string(L, table, "level", NULL);
-    if (name && !duet_level_from_name(name, level))
-        raise_unknown(L, name);
+    *(duet_accuracy *)at = (duet_accuracy){0};
+    (void)f;
+    field_read_row(L, -1, (field_table){"accuracy", -1}, accuracy_fields, at);
 }
 
-bool accuracy_read(lua_State *L, int table, duet_accuracy *accuracy)
-{
-    static const char *const names[] = {"missed", "false_rate", NULL};
-    if (!field_push(L, table, "accuracy", LUA_TTABLE))
-        return false;
-    int at = lua_gettop(L);
-    field_only(L, at, "accuracy", names);
-    accuracy->missed = field_number(L, at, "missed", 0);
-    accuracy->false_rate = field_number(L, at, "false_rate", 0);
-    const char *fault = fault_of(accuracy);
-    if (fault)
-        field_raise(L, "accuracy", "%s", fault);
-    lua_pop(L, 1);
-    return true;
-}
+const field_type field_accuracy = {
+    .read = read_accuracy, .push = field_push_struct, .fields = accuracy_fields};

@@ -32,7 +32,7 @@ struct duet_scene {
     bool has_body;
     duet_heights heights; // motion.heights, if there is a ground
     float *height_values;
-    duet_mesh mesh; // motion.mesh, likewise
+    duet_mesh mesh;           // motion.mesh, likewise
     struct scene_body *given; // bodies of single objects, as far as given
     uint32_t n_given;
     duet_body *bodies; // [n], or NULL where nothing is said of any
@@ -95,13 +95,5 @@ duet_rounded_box scene_rounded_box(const duet_scene *scene, uint32_t id);
 bool scene_set_origin(duet_scene *scene, const duet_large_pose *given, double edge,
                       duet_error *err);
 void scene_forget_centres(duet_scene *scene);
-
-// ---------------------------------------------------------------- scene_motion.c
-
-// "euler", "verlet" ...; NULL beyond the last.
-const char *scene_integrator_name(int integrator);
-
-// The bit of duet_effect_name; 0 where no effect is called that.
-uint32_t scene_effect_named(const char *name);
 
 #endif

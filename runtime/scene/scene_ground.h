@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Fields that tables of grounds have in common, each of the table on top of the stack.
+// Fields that tables of grounds have in common.
 #ifndef RUNTIME_SCENE_GROUND_H
 #define RUNTIME_SCENE_GROUND_H
 
-#include <lua.h>
-#include <stdbool.h>
-#include <stdint.h>
+#include "gen/field.h"
+#include "runtime/duet.h"
 
-// Whether the table has no other fields than these; NULL ends them.
-bool ground_has_only(lua_State *L, const char *const names[]);
+extern const field_type field_spacing; // double[2], as one number for both or two
+extern const field_type field_origin;  // double[3], as three numbers
+extern const field_type field_carrier; // 1 + the id of a body
 
-// Reads up to three numbers in a list, or one for all of them; `to` stays if there is no such
-// field. False for anything else.
-bool ground_read_numbers(lua_State *L, const char *name, double *to, int n);
-
-bool ground_read_origin(lua_State *L, double to[3]);
-
-// 0 if there is none.
-bool ground_read_material(lua_State *L, uint32_t *to);
-
-// 1 + the id that the field has, likewise.
-bool ground_read_carrier(lua_State *L, uint32_t *to);
+// clang-format off
+#define GROUND_FIELDS(struct_)                                                    \
+    FIELD(field_origin, struct_, origin),                                         \
+    FIELD_WITHIN(struct_, , material, 1, DUET_MATERIALS - 1,                      \
+                 "the number of one of the materials")
+// clang-format on
 
 #endif

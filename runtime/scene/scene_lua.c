@@ -4,14 +4,14 @@
 #include "runtime/scene/scene_lua.h"
 
 #include "base/error.h"
-#include "gen/field.h"
 #include "gen/parameters.h"
 #include "gen/sandbox.h"
 #include "runtime/narrowphase/accuracy.h"
+#include "runtime/scene/scene_fields.h"
 #include "runtime/scene/scene_source.h"
 
+#include <float.h>
 #include <lauxlib.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,162 +79,98 @@ static int open_words(lua_State *L)
 
 // ------------------------------------------------------------------ fields
 
-// Each reads one field of the scene's table, which is at index 1.
-static void read_name(lua_State *L, scene_reading *reading)
+// Each reads a field from the top of the stack into the scene.
+static void read_name(lua_State *L, const field *f, void *at)
 {
-    const char *name = field_string(L, 1, "name", NULL);
-    if (name && !scene_set_name(reading->scene, name, strlen(name), reading->err))
+    const char *name = NULL;
+    field_string.read(L, f, &name);
+    if (!scene_set_name(at, name, strlen(name), scene_reading_of(L)->err))
         luaL_error(L, "name: no memory");
 }
 
-static void read_dims(lua_State *L, scene_reading *reading)
+static void read_dims(lua_State *L, const field *f, void *at)
 {
-    duet_scene_info *info = &reading->scene->info;
-    int64_t dims = field_integer(L, 1, "dims", info->dims);
-    if (dims != 2 && dims != 3)
-        field_raise(L, "dims", "dims is %lld; it must be 2 or 3", (long long)dims);
+    duet_scene_info *info = &((duet_scene *)at)->info;
+    uint32_t dims = 0;
+    field_count.read(L, f, &dims);
     if (info->n > 0 && info->dims != dims)
-        field_raise(L, "dims", "dims is %lld, but the objects have %u", (long long)dims,
-                    info->dims);
-    info->dims = (uint32_t)dims;
+        field_raise(L, "dims", "dims is %u, but the objects have %u", dims, info->dims);
+    info->dims = dims;
 }
 
 // A corner of the world: as many numbers as there are dimensions.
-static void read_corner(lua_State *L, const char *name, uint32_t dims, float *corner)
+static void read_corner(lua_State *L, const field *f, void *at)
 {
-    bool ok = field_push(L, -1, name, LUA_TTABLE) && lua_rawlen(L, -1) == dims;
-    for (uint32_t i = 0; ok && i < dims; ++i) {
-        ok = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
-        corner[i] = (float)lua_tonumber(L, -1);
-        ok = ok && isfinite(corner[i]);
-        lua_pop(L, 1);
-    }
-    if (!ok)
-        field_raise(L, name, "world's %s must be %u finite numbers", name, dims);
-    lua_pop(L, 1);
+    double corner[3] = {0};
+    scene_read_by_dims(L, f, corner);
+    for (int k = 0; k < 3; ++k)
+        ((float *)at)[k] = (float)corner[k];
 }
 
-static void read_world(lua_State *L, scene_reading *reading)
+static const field_type corner = {.read = read_corner};
+
+static const field world_fields[] = {
+    FIELD(corner, duet_scene_info, lower),
+    FIELD(corner, duet_scene_info, upper),
+    {0},
+};
+
+static void read_world(lua_State *L, const field *f, void *at)
 {
-    static const char *const corners[] = {"lower", "upper", NULL};
-    duet_scene_info *info = &reading->scene->info;
-    if (!field_push(L, 1, "world", LUA_TTABLE))
-        return;
-    field_only(L, -1, "world", corners);
-    read_corner(L, "lower", info->dims, info->lower);
-    read_corner(L, "upper", info->dims, info->upper);
+    duet_scene_info *info = &((duet_scene *)at)->info;
+    (void)f;
+    if (field_read_row(L, -1, (field_table){"world", -1}, world_fields, info) != 3)
+        field_raise(L, "world", "world has one corner; expected lower and upper");
     for (uint32_t i = 0; i < info->dims; ++i)
         if (info->lower[i] > info->upper[i])
             field_raise(L, "world", "world's lower is above its upper");
     info->has_world = true;
-    lua_pop(L, 1);
 }
 
-static void read_cell(lua_State *L, scene_reading *reading)
+static void read_accuracy(lua_State *L, const field *f, void *at)
 {
-    float cell = (float)field_number(L, 1, "cell", 0);
-    if (cell < 0 || !isfinite(cell))
-        field_raise(L, "cell", "cell is %g; it must be an edge above 0, or 0 for one that fits",
-                    (double)cell);
-    reading->scene->info.cell = cell;
-}
-
-static void read_level(lua_State *L, scene_reading *reading)
-{
-    accuracy_read_level(L, 1, &reading->scene->info.level);
-}
-
-static void read_accuracy(lua_State *L, scene_reading *reading)
-{
-    duet_scene_info *info = &reading->scene->info;
-    info->has_accuracy = accuracy_read(L, 1, &info->accuracy);
-    if (info->has_accuracy && field_string(L, 1, "level", NULL))
+    duet_scene_info *info = &((duet_scene *)at)->info;
+    if (lua_getfield(L, 1, "level") != LUA_TNIL)
         field_raise(L, "accuracy", "a scene has a level, or an accuracy that one is chosen by");
+    lua_pop(L, 1);
+    field_accuracy.read(L, f, &info->accuracy);
+    info->has_accuracy = true;
 }
 
-// A field that is a bool, a double from 0 on, or a uint32_t.
-typedef enum field_kind { OTHER, FLAG, NUMBER, COUNT } field_kind;
-
-#define FIELD(k, member) .kind = k, .at = offsetof(duet_scene, member)
-
-// The fields of a scene, in the order in which they are read: dims are checked against the objects,
-// and world against dims.
-static const struct {
-    const char *name;
-    void (*read)(lua_State *L, scene_reading *reading); // NULL: a number, or read with another
-    field_kind kind;
-    size_t at; // in duet_scene
-    int64_t most;
-    const char *expected; // if a COUNT is another
-} fields[] = {
-    {"name", .read = read_name},
-    {"objects", .read = scene_read_objects},
-    {"dims", .read = read_dims},
-    {"world", .read = read_world},
-    {"cell", .read = read_cell},
-    {"cell_fixed", FIELD(FLAG, info.cell_fixed)},
-    {"level", .read = read_level},
-    {"accuracy", .read = read_accuracy},
-    {"body", .read = scene_read_body},
-    {"gravity", .read = scene_read_gravity},
-    {"heights", .read = scene_read_heights},
-    {"mesh", .read = scene_read_mesh},
-    {"origin", .read = scene_read_origin},
-    {.name = "origin_edge"},
-    {"attraction", .read = scene_read_attraction},
-    {"boundary", .read = scene_read_boundary},
-    {"wants", .read = scene_read_wants},
-    {"integrator", .read = scene_read_integrator},
-    {"materials", .read = scene_read_materials},
-    {.name = "material_pairs"},
-    {"drag", FIELD(NUMBER, motion.drag)},
-    {"dt", FIELD(NUMBER, motion.dt)},
-    {"skin", FIELD(NUMBER, motion.skin)},
-    {"slop", FIELD(NUMBER, motion.slop)},
-    {"max_push_speed", FIELD(NUMBER, motion.max_push_speed)},
-    {"restitution_threshold", FIELD(NUMBER, motion.restitution_threshold)},
-    {"sleep_speed", FIELD(NUMBER, motion.sleep_speed)},
-    {"sleep_after", FIELD(NUMBER, motion.sleep_after)},
-    {"hit_speed", FIELD(NUMBER, motion.hit_speed)},
-    {"substeps", FIELD(COUNT, motion.substeps), .most = 1000,
-     .expected = "0 (chosen for the scene), or 1 to 1000"},
-    {"event_mask", FIELD(COUNT, motion.event_mask), .most = UINT32_MAX,
-     .expected = "a whole number below 2^32"},
-    {"doubles", FIELD(FLAG, motion.doubles)},
+// In the order in which they are read: dims are checked against the objects, and world against
+// dims.
+static const field fields[] = {
+    SCENE_FIELD("name", read_name),
+    SCENE_FIELD("objects", scene_read_objects),
+    {.name = "dims",
+     .type = &(const field_type){.read = read_dims},
+     .least = 2,
+     .most = 3,
+     .expected = "2 or 3"},
+    SCENE_FIELD("world", read_world),
+    FIELD_WITHIN(duet_scene, info., cell, 0, FLT_MAX, "an edge above 0, or 0 for one that fits"),
+    FIELDS_IN(duet_scene, info., cell_fixed),
+    FIELD_ENUM_AT("level", duet_scene, info.level, level_name),
+    SCENE_FIELD("accuracy", read_accuracy),
+    SCENE_FIELD("body", scene_read_body),
+    SCENE_FIELD("gravity", scene_read_gravity),
+    SCENE_FIELD("heights", scene_read_heights),
+    SCENE_FIELD("mesh", scene_read_mesh),
+    SCENE_FIELD("origin_edge", scene_read_origin_edge),
+    SCENE_FIELD("origin", scene_read_origin),
+    SCENE_FIELD("attraction", scene_read_attraction),
+    SCENE_FIELD("boundary", scene_read_boundary),
+    FIELD_IN(field_effects, duet_scene, motion., wants),
+    FIELD_ENUM_AT("integrator", duet_scene, motion.integrator, scene_integrator_name),
+    FIELD_AT("materials", field_materials, duet_scene, motion),
+    FIELD_AT("material_pairs", field_material_pairs, duet_scene, motion),
+    FIELDS_FROM_0(duet_scene, motion., drag, dt, skin, slop, max_push_speed, restitution_threshold,
+                  sleep_speed, sleep_after, hit_speed),
+    FIELD_WITHIN(duet_scene, motion., substeps, 0, 1000, "0 (chosen for the scene), or 1 to 1000"),
+    FIELD_WITHIN(duet_scene, motion., event_mask, 0, UINT32_MAX, "a whole number below 2^32"),
+    FIELDS_IN(duet_scene, motion., doubles),
+    {0},
 };
-
-enum { FIELDS = sizeof fields / sizeof fields[0] };
-
-static void read_number(lua_State *L, const char *name, double *to)
-{
-    *to = field_number(L, 1, name, *to);
-    if (*to < 0)
-        field_raise(L, name, "%s is %g; it must be 0 or above", name, *to);
-}
-
-static void read_count(lua_State *L, int field, uint32_t *to)
-{
-    const char *name = fields[field].name;
-    int64_t n = field_integer(L, 1, name, *to);
-    if (n < 0 || n > fields[field].most)
-        field_raise(L, name, "%s is %lld; it must be %s", name, (long long)n,
-                    fields[field].expected);
-    *to = (uint32_t)n;
-}
-
-static void read_field(lua_State *L, scene_reading *reading, int field)
-{
-    const char *name = fields[field].name;
-    void *to = (char *)reading->scene + fields[field].at;
-    if (fields[field].read)
-        fields[field].read(L, reading);
-    else if (fields[field].kind == FLAG)
-        *(bool *)to = field_boolean(L, 1, name, false);
-    else if (fields[field].kind == NUMBER)
-        read_number(L, name, to);
-    else if (fields[field].kind == COUNT)
-        read_count(L, field, to);
-}
 
 // Reads what the script returned. Argument 1: that, 2: the reading.
 static int read_result(lua_State *L)
@@ -252,12 +188,7 @@ static int read_result(lua_State *L)
                            "a scene cannot act between steps; expected the function in the def of "
                            "pair:motion, in a script that 'duet lua' runs");
     lua_pop(L, 1);
-    const char *names[FIELDS + 1] = {NULL};
-    for (int i = 0; i < FIELDS; ++i)
-        names[i] = fields[i].name;
-    field_only(L, 1, "a scene", names);
-    for (int i = 0; i < FIELDS; ++i)
-        read_field(L, reading, i);
+    field_read(L, 1, "a scene", fields, reading->scene);
     if (!scene_fill_bodies(reading->scene, reading->err))
         return luaL_error(L, "no memory");
     return 0;
@@ -267,6 +198,7 @@ bool scene_read_lua(duet_scene *scene, const scene_source *source, const duet_se
                     uint32_t n_settings, duet_error *err)
 {
     scene_reading reading = {.scene = scene,
+                             .origin_edge = 1,
                              .path = source->name,
                              .settings = settings,
                              .n_settings = n_settings,

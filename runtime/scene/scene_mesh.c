@@ -9,21 +9,10 @@
 #include "runtime/scene/mesh_file.h"
 #include "runtime/scene/scene_ground.h"
 
+#include <float.h>
 #include <lauxlib.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool refuse(duet_error *err, const char *fault)
-{
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s", fault);
-}
-
-static bool is_given(lua_State *L, const char *name)
-{
-    bool given = lua_getfield(L, -1, name) != LUA_TNIL;
-    lua_pop(L, 1);
-    return given;
-}
 
 // ---------------------------------------------------------------- files
 
@@ -34,105 +23,119 @@ static bool is_below(const char *name)
            strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
 }
 
-static bool read_file(lua_State *L, duet_mesh *mesh, const char *beside, duet_error *err)
+// Sets the vertices and triangles of the mesh, also after a failure.
+static bool load(duet_mesh *mesh, const char *name, double scale, const char *beside,
+                 duet_error *err)
 {
-    double scale = 1.0;
+    duet_mesh read = {0};
     const char *slash = beside ? strrchr(beside, '/') : NULL;
-    bool is_name = lua_getfield(L, -1, "file") == LUA_TSTRING;
-    const char *name = is_name ? lua_tostring(L, -1) : "";
-    lua_pop(L, 1); // the table keeps it
-    if (!is_name || (beside && !is_below(name)))
-        return refuse(err, "file must be the name of a file .stl or .obj in the scene's folder or "
-                           "below it");
-    if (!ground_read_numbers(L, "scale", &scale, 1) || !(scale > 0.0))
-        return refuse(err, "scale must be a number above 0");
     text path = {0};
     text_add_bytes(&path, beside, slash ? (size_t)(slash - beside) + 1 : 0);
     text_add(&path, "%s", name);
-    bool ok = text_ok(&path, err) && mesh_file_read(mesh, text_chars(&path), scale, err);
+    bool ok = text_ok(&path, err) && mesh_file_read(&read, text_chars(&path), scale, err);
     text_free(&path);
+    mesh->n_vertices = read.n_vertices;
+    mesh->n_triangles = read.n_triangles;
+    mesh->vertices = read.vertices;
+    mesh->triangles = read.triangles;
     return ok;
 }
+
+#define A_FILE "the name of a file .stl or .obj in the scene's folder or below it"
+
+static const field_table table = {"mesh", -1};
+static const field file_field = {
+    .name = "file", .type = &field_string, .expected = A_FILE, .table = &table};
+static const field scale_field = {.name = "scale",
+                                  .type = &field_double,
+                                  .size = sizeof(double),
+                                  .least = DBL_MIN,
+                                  .most = DBL_MAX,
+                                  .expected = "a number above 0",
+                                  .table = &table};
 
 // ---------------------------------------------------------------- lists
 
-// Sets how many rows of three numbers a list has.
-static bool count_rows(lua_State *L, const char *name, uint64_t most, uint32_t *n)
+// Space for the list on top of the stack, of rows of three numbers.
+static void *make_rows(lua_State *L, const field *f, uint64_t most, uint32_t *n, size_t bytes)
 {
-    lua_Unsigned length = 0;
-    if (lua_getfield(L, -1, name) == LUA_TTABLE)
-        length = lua_rawlen(L, -1);
-    lua_pop(L, 1);
+    lua_Unsigned length = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    if (length == 0 || length % 3 != 0 || length / 3 > most)
+        field_refuse(L, f, NULL);
     *n = (uint32_t)(length / 3);
-    return length > 0 && length % 3 == 0 && length / 3 <= most;
+    void *rows = malloc(length * bytes);
+    if (!rows)
+        luaL_error(L, "mesh: no memory for %s", f->name);
+    return rows;
 }
 
-static bool read_vertices(lua_State *L, float *to, uint32_t n)
+static void read_vertices(lua_State *L, const field *f, void *at)
 {
-    bool ok = true;
-    lua_getfield(L, -1, "vertices");
-    for (uint32_t i = 0; ok && i < 3 * n; ++i) {
-        ok = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
+    duet_mesh *mesh = at;
+    float *to = make_rows(L, f, 3 * (uint64_t)DUET_MOST_TRIANGLES, &mesh->n_vertices, sizeof *to);
+    mesh->vertices = to;
+    for (uint32_t i = 0; i < 3 * mesh->n_vertices; ++i) {
+        if (lua_rawgeti(L, -1, (lua_Integer)i + 1) != LUA_TNUMBER)
+            field_raise(L, f->name, "mesh: vertices must be numbers");
         to[i] = (float)lua_tonumber(L, -1);
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
-    return ok;
 }
 
-static bool read_triangles(lua_State *L, uint32_t *to, uint32_t n)
+static void read_triangles(lua_State *L, const field *f, void *at)
 {
-    bool ok = true;
-    lua_getfield(L, -1, "triangles");
-    for (uint32_t i = 0; ok && i < 3 * n; ++i) {
+    duet_mesh *mesh = at;
+    uint32_t *to = make_rows(L, f, DUET_MOST_TRIANGLES, &mesh->n_triangles, sizeof *to);
+    mesh->triangles = to;
+    for (uint32_t i = 0; i < 3 * mesh->n_triangles; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i + 1);
         lua_Integer vertex = lua_isinteger(L, -1) ? lua_tointeger(L, -1) : -1;
-        ok = vertex >= 0 && vertex < UINT32_MAX;
+        if (vertex < 0 || vertex >= UINT32_MAX)
+            field_raise(L, f->name, "mesh: triangles must be whole numbers from 0 on");
         to[i] = (uint32_t)vertex;
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
-    return ok;
-}
-
-static bool read_lists(lua_State *L, duet_mesh *mesh, duet_error *err)
-{
-    if (!count_rows(L, "vertices", 3 * (uint64_t)DUET_MOST_TRIANGLES, &mesh->n_vertices))
-        return refuse(err, "vertices must be a list of numbers, three a vertex");
-    if (!count_rows(L, "triangles", DUET_MOST_TRIANGLES, &mesh->n_triangles))
-        return refuse(err, "triangles must be a list of numbers of vertices, three a triangle");
-    float *vertices = malloc((size_t)mesh->n_vertices * 3 * sizeof *vertices);
-    uint32_t *triangles = malloc((size_t)mesh->n_triangles * 3 * sizeof *triangles);
-    mesh->vertices = vertices;
-    mesh->triangles = triangles;
-    if (!vertices || !triangles)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u triangles",
-                         mesh->n_triangles);
-    if (!read_vertices(L, vertices, mesh->n_vertices))
-        return refuse(err, "vertices must be numbers");
-    return read_triangles(L, triangles, mesh->n_triangles) ||
-           refuse(err, "triangles must be whole numbers from 0 on");
 }
 
 // ---------------------------------------------------------------- both
 
-bool mesh_read(lua_State *L, duet_mesh *mesh, const char *beside, duet_error *err)
+enum { HAS_FILE = 1, HAS_SCALE = 2, HAS_VERTICES = 4, HAS_TRIANGLES = 8 };
+
+static const field mesh_fields[] = {
+    {.name = "file", .type = &field_unread},
+    {.name = "scale", .type = &field_unread},
+    {.name = "vertices",
+     .type = &(const field_type){.read = read_vertices},
+     .expected = "a list of numbers, three a vertex"},
+    {.name = "triangles",
+     .type = &(const field_type){.read = read_triangles},
+     .expected = "a list of numbers of vertices, three a triangle"},
+    GROUND_FIELDS(duet_mesh),
+    FIELD(field_carrier, duet_mesh, carrier),
+    {0},
+};
+
+// From the table on top of the stack, which has a file.
+static void read_file(lua_State *L, duet_mesh *mesh, const char *beside)
 {
-    static const char *const names[] = {"file",   "scale",    "vertices", "triangles",
-                                        "origin", "material", "carrier",  NULL};
+    duet_error why = {0};
+    const char *name = "";
+    double scale = 1.0;
+    field_read_one(L, -1, &scale_field, &scale);
+    field_read_one(L, -1, &file_field, &name);
+    if (beside && !is_below(name))
+        field_raise(L, "file", "mesh: file is '%s'; expected " A_FILE, name);
+    if (!load(mesh, name, scale, beside, &why))
+        field_raise(L, "mesh", "mesh: %s", why.text);
+}
+
+void mesh_read(lua_State *L, duet_mesh *mesh, const char *beside)
+{
     *mesh = (duet_mesh){0};
-    if (!ground_has_only(L, names))
-        return refuse(err, "the fields are file and scale, or vertices and triangles; origin, "
-                           "material and carrier");
-    bool has_lists = is_given(L, "vertices") || is_given(L, "triangles") || !is_given(L, "file");
-    if (has_lists && (is_given(L, "file") || is_given(L, "scale")))
-        return refuse(err, "a mesh has a file and its scale, or vertices and triangles");
-    if (!(has_lists ? read_lists(L, mesh, err) : read_file(L, mesh, beside, err)))
-        return false;
-    if (!ground_read_origin(L, mesh->origin))
-        return refuse(err, "origin must be three numbers");
-    if (!ground_read_material(L, &mesh->material))
-        return refuse(err, "material must be the number of one of the materials");
-    return ground_read_carrier(L, &mesh->carrier) ||
-           refuse(err, "carrier must be the id of a body");
+    uint64_t given = field_read_row(L, -1, table, mesh_fields, mesh);
+    uint64_t lists = given & (HAS_VERTICES | HAS_TRIANGLES), file = given & (HAS_FILE | HAS_SCALE);
+    if (lists ? file || lists != (HAS_VERTICES | HAS_TRIANGLES) : !(file & HAS_FILE))
+        field_raise(L, "mesh", "a mesh has a file and its scale, or vertices and triangles");
+    if (file)
+        read_file(L, mesh, beside);
 }

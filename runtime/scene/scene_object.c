@@ -4,7 +4,6 @@
 
 #include "base/budget.h"
 #include "base/error.h"
-#include "gen/field.h"
 #include "gen/sandbox.h"
 
 #include <lauxlib.h>
@@ -26,22 +25,6 @@ typedef enum part_id {
     UPPER,
     N_PARTS
 } part_id;
-
-static const struct {
-    const char *name;
-    uint32_t least;
-    uint32_t most;
-    const char *count; // both in words
-} parts[N_PARTS] = {
-    [CENTRE] = {"centre", 2, 3, "2 or 3"},     // xyz
-    [HALF] = {"half_extents", 2, 3, "2 or 3"}, // half extents
-    [RADIUS] = {"radius", 1, 1, "1"},          // that a rounded box has
-    [ROTATION] = {"rotation", 4, 4, "4"},      // quaternion xyzw, 3D
-    [EULER] = {"euler", 3, 3, "3"},            // phi, theta, psi in radians, 3D
-    [ANGLE] = {"angle", 1, 1, "1"},            // radians, 2D
-    [LOWER] = {"lower", 2, 3, "2 or 3"},       // an axis-aligned box by its corners
-    [UPPER] = {"upper", 2, 3, "2 or 3"},
-};
 
 #define MAX_PART 4
 
@@ -94,57 +77,60 @@ static bool is_list(lua_State *L)
     return n == lua_rawlen(L, -1);
 }
 
-// Raises the error at the line that calls add, or for an object of a list at
-// the field's.
-static int refuse(lua_State *L, const scene_reading *reading, const char *field, const char *what)
+// The object that is read, in messages.
+static field_table object_of(const scene_reading *reading)
 {
-    lua_Debug caller;
-    if (lua_getstack(L, 1, &caller))
-        return luaL_error(L, "object %I: %s", (LUAI_UACINT)reading->scene->n_read, what);
-    return field_raise(L, field, "object %llu: %s", (unsigned long long)reading->scene->n_read,
-                       what);
+    return (field_table){"object", (lua_Integer)reading->scene->n_read};
 }
 
-static double read_number(lua_State *L, const scene_reading *reading, const char *field)
+static int refuse(lua_State *L, const scene_reading *reading, const char *expected)
 {
-    if (lua_type(L, -1) != LUA_TNUMBER)
-        refuse(L, reading, field, "a number is wanted where something else is");
-    return lua_tonumber(L, -1);
+    return field_raise(L, "objects", "object %llu: %s", (unsigned long long)reading->scene->n_read,
+                       expected);
 }
 
-static part_id find_part(lua_State *L, const scene_reading *reading, const char *name)
+// A number, or a list of as many as the row's range has.
+static void read_part(lua_State *L, const field *f, void *at)
 {
-    for (int id = 0; id < N_PARTS; ++id)
-        if (strcmp(parts[id].name, name) == 0)
-            return (part_id)id;
-    const char *what =
-        lua_pushfstring(L,
-                        "no field '%s'; it has angle, centre, euler, half_extents, lower, "
-                        "radius, rotation, upper; " SCENE_BODY_NAMES,
-                        name);
-    refuse(L, reading, name, what);
-    return N_PARTS;
-}
-
-// The value on top of the stack: a number, or a list of them.
-static part read_part(lua_State *L, const scene_reading *reading, part_id id)
-{
-    const char *name = parts[id].name;
+    part *p = at;
     bool is_list = lua_istable(L, -1);
-    part p = {.n = is_list ? (uint32_t)lua_rawlen(L, -1) : 1};
-    if (p.n < parts[id].least || p.n > parts[id].most)
-        refuse(L, reading, name,
-               lua_pushfstring(L, "%s has %d numbers; it must have %s", name, (int)p.n,
-                               parts[id].count));
-    if (!is_list)
-        p.value[0] = read_number(L, reading, name);
-    for (uint32_t i = 0; is_list && i < p.n; ++i) {
-        lua_rawgeti(L, -1, (lua_Integer)i + 1);
-        p.value[i] = read_number(L, reading, name);
-        lua_pop(L, 1);
+    lua_Unsigned n = is_list ? lua_rawlen(L, -1) : 1;
+    if (n < (lua_Unsigned)f->least || n > (lua_Unsigned)f->most)
+        field_refuse(L, f, NULL);
+    for (p->n = 0; p->n < n; ++p->n) {
+        if (is_list)
+            lua_rawgeti(L, -1, (lua_Integer)p->n + 1);
+        if (lua_type(L, -1) != LUA_TNUMBER)
+            field_refuse(L, f, NULL);
+        p->value[p->n] = lua_tonumber(L, -1);
+        lua_pop(L, is_list);
     }
-    return p;
 }
+
+static const field_type field_part = {.read = read_part};
+
+// An object in parts, of which each has its numbers, and its body.
+typedef struct object {
+    part parts[N_PARTS];
+    duet_body body;
+} object;
+
+#define PART(name, id, least_, most_, expected_)                                                \
+    [id] = {FIELD_ROW(name, field_part, object, parts[id]), .least = (least_), .most = (most_), \
+            .expected = (expected_)}
+
+static const field object_fields[] = {
+    PART("centre", CENTRE, 2, 3, "2 or 3 numbers"),
+    PART("half_extents", HALF, 2, 3, "2 or 3 numbers"),
+    PART("radius", RADIUS, 1, 1, "a number"),
+    PART("rotation", ROTATION, 4, 4, "4 numbers"), // quaternion xyzw, 3D
+    PART("euler", EULER, 3, 3, "3 numbers"),       // phi, theta, psi in radians, 3D
+    PART("angle", ANGLE, 1, 1, "a number"),        // radians, 2D
+    PART("lower", LOWER, 2, 3, "2 or 3 numbers"),  // an axis-aligned box by its corners
+    PART("upper", UPPER, 2, 3, "2 or 3 numbers"),
+    SCENE_BODY_FIELDS(object, body.),
+    {0},
+};
 
 // Bounds are two corners; a pose is centre and half extents, and a rotation of the kind that its
 // dimensions have. An object with a radius may have no extents besides.
@@ -193,20 +179,15 @@ static row join_parts(const part *p)
 // The table on top of the stack, {centre = {...}, half_extents = {...}, ...}.
 static row read_parts(lua_State *L, const scene_reading *reading, scene_body *body)
 {
-    part given[N_PARTS] = {{.n = 0}};
-    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        const char *name = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "?";
-        if (scene_read_body_field(L, name, body))
-            continue;
-        part_id id = find_part(L, reading, name);
-        given[id] = read_part(L, reading, id);
-    }
-    if (!fit_together(given))
-        refuse(
-            L, reading, NULL,
-            "it must have centre and half_extents or radius or both, with angle in 2D, rotation or "
-            "euler in 3D; or lower and upper");
-    return join_parts(given);
+    object o = {.parts = {{.n = 0}}};
+    uint64_t given = field_read_row(L, -1, object_of(reading), object_fields, &o);
+    body->body = o.body;
+    body->given = (uint32_t)(given >> N_PARTS);
+    if (!fit_together(o.parts))
+        refuse(L, reading,
+               "it must have centre and half_extents or radius or both, with angle in 2D, rotation "
+               "or euler in 3D; or lower and upper");
+    return join_parts(o.parts);
 }
 
 // The table on top of the stack, {1, 2, 3, ...}; named fields beside the
@@ -214,11 +195,13 @@ static row read_parts(lua_State *L, const scene_reading *reading, scene_body *bo
 static row read_list(lua_State *L, const scene_reading *reading)
 {
     if (!is_list(L))
-        refuse(L, reading, NULL, "it must be a row of numbers, or named fields, not both");
+        refuse(L, reading, "it must be a row of numbers, or named fields, not both");
     row r = {.n = (uint32_t)lua_rawlen(L, -1)};
     for (uint32_t i = 0; i < r.n && i < SCENE_MAX_COLUMNS; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i + 1);
-        r.value[i] = read_number(L, reading, NULL);
+        if (lua_type(L, -1) != LUA_TNUMBER)
+            refuse(L, reading, "a number is wanted where something else is");
+        r.value[i] = lua_tonumber(L, -1);
         lua_pop(L, 1);
     }
     return r;
@@ -256,7 +239,7 @@ static void add_table(lua_State *L, scene_reading *reading)
 {
     script_spend(L, ADD_INSTRUCTIONS);
     if (!lua_istable(L, -1))
-        refuse(L, reading, NULL, "it must be a table");
+        refuse(L, reading, "it must be a table");
     bool is_list = lua_rawlen(L, -1) > 0;
     scene_body body = {.given = 0};
     row r = is_list ? read_list(L, reading) : read_parts(L, reading, &body);
@@ -283,17 +266,15 @@ int scene_word_add(lua_State *L)
     return 0;
 }
 
-void scene_read_objects(lua_State *L, scene_reading *reading)
+void scene_read_objects(lua_State *L, const field *f, void *scene)
 {
-    if (!field_push(L, 1, "objects", LUA_TTABLE))
-        return;
-    if (!is_list(L))
-        field_raise(L, "objects", "objects must be a list");
+    (void)scene;
+    if (!lua_istable(L, -1) || !is_list(L))
+        field_refuse(L, f, "a list");
     lua_Unsigned n = lua_rawlen(L, -1);
     for (lua_Unsigned i = 1; i <= n; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i);
-        add_table(L, reading);
+        add_table(L, scene_reading_of(L));
         lua_pop(L, 1);
     }
-    lua_pop(L, 1);
 }

@@ -7,6 +7,7 @@
 #include "gen/script.h"
 #include "runtime/task/task_reference.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <lauxlib.h>
 #include <math.h>
@@ -18,104 +19,66 @@ typedef struct reading {
     task *task;
     uint64_t seed;
     duet_error *why;
+    char name[GEN_NAME + 8]; // of the argument that is read, "args.x"
+    field_table table;       // the same
 } reading;
 
 // ---------------------------------------------------------------- fields of an argument
 
-// The argument's table is on top of the stack here.
-
-// Pushes a field; a number selects from the list.
-static int push_field(lua_State *L, const char *field, int index)
+static void read_type(lua_State *L, const field *f, void *at)
 {
-    return field ? lua_getfield(L, -1, field) : lua_rawgeti(L, -1, index);
-}
-
-// Reads a whole number from `least` to `most`; the fallback if it is not given.
-static uint64_t read_whole(lua_State *L, const task_arg *arg, const char *field, int index,
-                           int64_t least, int64_t most, int64_t fallback)
-{
-    int is_whole = 0;
-    int type = push_field(L, field, index);
-    int64_t value = lua_tointegerx(L, -1, &is_whole);
-    if (type == LUA_TNIL && fallback >= 0)
-        value = fallback;
-    else if (type != LUA_TNUMBER || !is_whole || value < least || value > most)
-        field_raise(L, arg->name,
-                    "args.%s: %s is %s; expected a whole number from %" PRId64 " to %" PRId64,
-                    arg->name, field ? field : "the number of elements",
-                    script_tostring(L, -1, NULL), least, most);
-    lua_pop(L, 1);
-    return (uint64_t)value;
-}
-
-static double read_double(lua_State *L, const task_arg *arg, const char *field, double fallback)
-{
-    int type = lua_getfield(L, -1, field);
-    double value = type == LUA_TNIL ? fallback : lua_tonumber(L, -1);
-    if ((type != LUA_TNIL && type != LUA_TNUMBER) || !isfinite(value))
-        field_raise(L, arg->name, "args.%s: %s is %s; expected a finite number", arg->name, field,
-                    script_tostring(L, -1, NULL));
-    lua_pop(L, 1);
-    return value;
-}
-
-static void check_names(lua_State *L, const task_arg *arg)
-{
-    static const char *const names[] = {"init", "min", "max", "access", "halo", "send", NULL};
-    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        bool known =
-            lua_isinteger(L, -2) && (lua_tointeger(L, -2) == 1 || lua_tointeger(L, -2) == 2);
-        for (int i = 0; names[i] && lua_type(L, -2) == LUA_TSTRING && !known; ++i)
-            known = strcmp(names[i], lua_tostring(L, -2)) == 0;
-        if (!known)
-            field_raise(L, arg->name,
-                        "args.%s has no field [%s]: there are a type, a number of elements, init, "
-                        "min, max, access, halo, send",
-                        arg->name, script_tostring(L, -2, NULL));
-    }
-}
-
-static void read_type(lua_State *L, task_arg *arg, task_scalar *scalar)
-{
-    lua_rawgeti(L, -1, 1);
+    (void)f;
+    task_arg *arg = at;
     const char *type = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    if (!task_type_read(type, scalar, &arg->lanes))
+    if (!task_type_read(type, &arg->initial.scalar, &arg->lanes))
         field_raise(L, arg->name,
                     "args.%s: the type is %s; expected char, short, int, long, one of these with u "
                     "before it, float or double, and 2, 4, 8 or 16 behind it for a vector",
                     arg->name, script_tostring(L, -1, NULL));
     snprintf(arg->type, sizeof arg->type, "%s", type);
-    lua_pop(L, 1);
 }
 
-static void read_access(lua_State *L, task_arg *arg)
+static const char *access_name(int access)
 {
-    int type = lua_getfield(L, -1, "access");
-    int access = TASK_ALL;
-    while (type != LUA_TNIL && task_access_name((task_access)access) &&
-           (type != LUA_TSTRING ||
-            strcmp(lua_tostring(L, -1), task_access_name((task_access)access)) != 0))
-        ++access;
-    if (!task_access_name((task_access)access))
-        field_raise(L, arg->name,
-                    "args.%s: access is %s; expected all, slice, out slice, in out slice or sum",
-                    arg->name, script_tostring(L, -1, NULL));
-    arg->access = (task_access)access;
-    lua_pop(L, 1);
+    return task_access_name((task_access)access);
 }
 
-static void read_send(lua_State *L, task_arg *arg)
+static void read_send(lua_State *L, const field *f, void *at)
 {
-    int type = lua_getfield(L, -1, "send");
-    const char *send = type == LUA_TSTRING ? lua_tostring(L, -1) : type == LUA_TNIL ? "each" : "";
+    task_arg *arg = at;
+    const char *send = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
     arg->once = strcmp(send, "once") == 0;
     if (!arg->once && strcmp(send, "each") != 0)
-        field_raise(L, arg->name, "args.%s: send is %s; expected each or once", arg->name,
-                    script_tostring(L, -1, NULL));
-    if (arg->once && arg->access > TASK_SLICE)
-        field_raise(L, arg->name, "args.%s: send is once, but access is %s; expected all or slice",
-                    arg->name, task_access_name(arg->access));
-    lua_pop(L, 1);
+        field_refuse(L, f, "each or once");
+}
+
+// In the order in which they are written: the type, the number of elements, the rest.
+static const field array_fields[] = {
+    {.name = "[1]", .type = &(const field_type){.read = read_type}},
+    {FIELD_ROW("[2]", field_count, task_arg, count), .least = 1, .most = (double)TASK_MOST,
+     .expected = "a number of elements, from 1 to 2^40"},
+    FIELD_ENUM(task_arg, access, access_name),
+    {.name = "send", .type = &(const field_type){.read = read_send}},
+    FIELDS(task_arg, halo),
+    {.name = "init", .type = &field_unread},
+    {.name = "min", .type = &field_unread},
+    {.name = "max", .type = &field_unread},
+    {0},
+};
+
+enum { TYPE_AND_COUNT = 3 };
+
+// Reads one of the range's ends from the argument's table, which is on top of the stack.
+static bool read_end(lua_State *L, const reading *r, const char *name, const field_type *type,
+                     void *to)
+{
+    const field end = {.name = name,
+                       .type = type,
+                       .size = sizeof(double),
+                       .least = -DBL_MAX,
+                       .most = DBL_MAX,
+                       .table = &r->table};
+    return field_read_one(L, -1, &end, to);
 }
 
 // ---------------------------------------------------------------- what an array holds at first
@@ -147,10 +110,17 @@ static uint64_t hash_of(const char *name)
     return hash;
 }
 
-static void draw_whole(lua_State *L, const task_arg *arg, task_values *v, rng *source)
+static void draw_whole(lua_State *L, const reading *r, const task_arg *arg, task_values *v,
+                       rng *source)
 {
-    int64_t least = (int64_t)read_whole(L, arg, "min", 0, 0, TASK_MOST, 0);
-    int64_t most = (int64_t)read_whole(L, arg, "max", 0, least, least + UINT32_MAX - 1, -1);
+    int64_t least = 0, most = -1;
+    read_end(L, r, "min", &field_int, &least);
+    bool given = read_end(L, r, "max", &field_int, &most);
+    if (!given || least < 0 || most < least || most - least >= UINT32_MAX)
+        field_raise(L, arg->name,
+                    "args.%s: min is %" PRId64 ", max is %s%.0" PRId64
+                    "; expected whole numbers from 0 on, max at least min",
+                    arg->name, least, given ? "" : "nil", given ? most : 0);
     for (uint64_t i = 0; i < v->n; ++i)
         task_values_set_whole(v, i, least + rng_below(source, (uint32_t)(most - least) + 1));
 }
@@ -159,12 +129,14 @@ static void draw(lua_State *L, const reading *r, task_arg *arg)
 {
     task_values *v = &arg->initial;
     rng source = rng_stream(r->seed, hash_of(arg->name));
+    double least = 0, most = 1;
     script_spend(L, v->n / 8);
     if (task_scalar_is_whole(v->scalar)) {
-        draw_whole(L, arg, v, &source);
+        draw_whole(L, r, arg, v, &source);
         return;
     }
-    double least = read_double(L, arg, "min", 0), most = read_double(L, arg, "max", 1);
+    read_end(L, r, "min", &field_double, &least);
+    read_end(L, r, "max", &field_double, &most);
     if (most < least)
         field_raise(L, arg->name, "args.%s: max is %g; expected at least min, %g", arg->name, most,
                     least);
@@ -246,23 +218,31 @@ static void divide(lua_State *L, const task *t, task_arg *arg)
                     arg->name, arg->count, t->items);
 }
 
-static void read_array(lua_State *L, reading *r, task_arg *arg)
+static void check_array(lua_State *L, const task *t, const task_arg *arg)
 {
-    const task *t = r->task;
-    check_names(L, arg);
-    read_type(L, arg, &arg->initial.scalar);
-    arg->is_array = true;
-    arg->count = read_whole(L, arg, NULL, 2, 1, TASK_MOST, -1);
-    read_access(L, arg);
-    read_send(L, arg);
-    divide(L, t, arg);
-    arg->halo = read_whole(L, arg, "halo", 0, 0, (int64_t)t->items, 0);
+    if (arg->once && arg->access > TASK_SLICE)
+        field_raise(L, arg->name, "args.%s: send is once, but access is %s; expected all or slice",
+                    arg->name, task_access_name(arg->access));
     if (arg->halo > 0 && arg->access != TASK_SLICE)
         field_raise(L, arg->name, "args.%s: a halo with access %s; expected slice", arg->name,
                     task_access_name(arg->access));
+    if (arg->halo > t->items)
+        field_raise(L, arg->name,
+                    "args.%s: halo is %" PRIu64 "; expected at most %" PRIu64 " items", arg->name,
+                    arg->halo, t->items);
     if (arg->access == TASK_SUM && task_scalar_bytes(arg->initial.scalar) < 4)
         field_raise(L, arg->name, "args.%s: a sum of %s; expected numbers of 4 or 8 bytes",
                     arg->name, arg->type);
+}
+
+static void read_array(lua_State *L, reading *r, task_arg *arg)
+{
+    uint64_t given = field_read_row(L, -1, r->table, array_fields, arg);
+    if ((given & TYPE_AND_COUNT) != TYPE_AND_COUNT)
+        field_raise(L, arg->name, "args.%s: expected a type and a number of elements", arg->name);
+    arg->is_array = true;
+    divide(L, r->task, arg);
+    check_array(L, r->task, arg);
     fill(L, r, arg);
     read_init(L, r, arg);
 }
@@ -308,12 +288,14 @@ static void name_args(lua_State *L, task *t)
 
 void task_args_read(lua_State *L, int root, task *t, uint64_t seed, duet_error *why)
 {
-    reading r = {t, seed, why};
+    reading r = {.task = t, .seed = seed, .why = why};
     bool writes = false;
-    if (!field_push(L, root, "args", LUA_TTABLE))
+    if (lua_getfield(L, root, "args") != LUA_TTABLE)
         field_raise(L, NULL, "args is missing; expected a table of the kernel's arguments");
     name_args(L, t);
     for (uint32_t i = 0; i < t->n_args; ++i) {
+        snprintf(r.name, sizeof r.name, "args.%s", t->args[i].name);
+        r.table = (field_table){r.name, -1};
         lua_getfield(L, -1, t->args[i].name);
         read_arg(L, &r, &t->args[i]);
         lua_pop(L, 1);

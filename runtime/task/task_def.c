@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "gen/field.h"
+#include "gen/field_line.h"
 #include "gen/sandbox.h"
 #include "runtime/task/task_read.h"
 #include "runtime/task/task_reference.h"

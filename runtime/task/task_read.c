@@ -11,6 +11,7 @@
 #include "runtime/task/task_read.h"
 #include "runtime/task/task_reference.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <lauxlib.h>
 #include <math.h>
@@ -42,37 +43,15 @@ static int open_words(lua_State *L)
 
 // ---------------------------------------------------------------- the task's own fields
 
-static uint64_t read_count(lua_State *L, const char *name, int64_t fallback)
-{
-    int64_t value = field_integer(L, ROOT, name, fallback);
-    if (value < 1 || value > TASK_MOST)
-        field_raise(L, name, "%s is %" PRId64 "; expected 1 to %" PRId64, name, value, TASK_MOST);
-    return (uint64_t)value;
-}
+#define A_COUNT "a whole number from 1 to 2^40"
+#define COUNT_ROW(name_, member)                                                        \
+    FIELD_ROW(name_, field_count, task, member), .least = 1, .most = (double)TASK_MOST, \
+                                                 .expected = A_COUNT
 
-static void read_name(lua_State *L, const char *field, const char *fallback, char name[GEN_NAME])
+static void read_tolerance(lua_State *L, const field *f, void *at)
 {
-    const char *given = field_string(L, ROOT, field, fallback);
-    if (!given || !*given || strlen(given) >= GEN_NAME)
-        field_raise(L, given ? field : NULL, "%s is %s; expected a kernel's name", field,
-                    given ? "too long or empty" : "missing");
-    snprintf(name, GEN_NAME, "%s", given);
-}
-
-static bool is_exact(lua_State *L)
-{
-    return lua_type(L, -1) == LUA_TSTRING && strcmp(lua_tostring(L, -1), "exact") == 0;
-}
-
-static void read_tolerance(lua_State *L, task *t)
-{
-    if (lua_getfield(L, ROOT, "tolerance") != LUA_TNIL && !is_exact(L)) {
-        t->tolerance = lua_tonumber(L, -1);
-        if (lua_type(L, -1) != LUA_TNUMBER || !(t->tolerance >= 0 && isfinite(t->tolerance)))
-            field_raise(L, "tolerance", "tolerance is %s; expected a number from 0 or exact",
-                        script_tostring(L, -1, NULL));
-    }
-    lua_pop(L, 1);
+    if (lua_type(L, -1) != LUA_TSTRING || strcmp(lua_tostring(L, -1), "exact") != 0)
+        field_double.read(L, f, at);
 }
 
 // Adds "bins=64"; the table is on top of the stack.
@@ -116,50 +95,76 @@ static void add_words(lua_State *L, task *t)
 // Its n is the size, by which tasks of one kind are neighbours.
 static void read_key(lua_State *L, task *t)
 {
+    static const field_table key = {"key", -1};
+    static const field n = {COUNT_ROW("n", size), .table = &key};
     t->size = t->items;
-    if (!field_push(L, ROOT, "key", LUA_TTABLE))
-        return;
-    int64_t n = field_integer(L, lua_gettop(L), "n", (int64_t)t->items);
-    if (n < 1)
-        field_raise(L, "key", "key: n is %" PRId64 "; expected 1 or more", n);
-    t->size = (uint64_t)n;
-    add_words(L, t);
-    lua_pop(L, 1);
-}
-
-// Number i of the list on top.
-static uint64_t read_side(lua_State *L, lua_Integer i)
-{
-    int whole = 0;
-    lua_rawgeti(L, -1, i);
-    int64_t value = lua_tointegerx(L, -1, &whole);
-    if (!whole || value < 1 || value > TASK_MOST)
-        field_raise(L, "work", "work[%d] is %s; expected 1 to %" PRId64, (int)i,
-                    script_tostring(L, -1, NULL), TASK_MOST);
-    lua_pop(L, 1);
-    return (uint64_t)value;
-}
-
-// A number, or { wide, high }.
-static void read_work(lua_State *L, task *t)
-{
-    if (lua_getfield(L, ROOT, "work") != LUA_TTABLE) {
-        t->work = t->wide = read_count(L, "work", 1);
-    } else if (lua_rawlen(L, -1) != 2) {
-        field_raise(L, "work", "work has %d numbers; expected one, or { wide, high }",
-                    (int)lua_rawlen(L, -1));
-    } else {
-        t->wide = read_side(L, 1);
-        uint64_t high = read_side(L, 2);
-        t->work = high > (uint64_t)TASK_MOST / t->wide ? UINT64_MAX : t->wide * high;
+    if (lua_getfield(L, ROOT, "key") == LUA_TTABLE) {
+        field_read_one(L, -1, &n, t);
+        add_words(L, t);
+    } else if (!lua_isnil(L, -1)) {
+        field_raise(L, "key", "key is a %s; expected words, as bins = 64", luaL_typename(L, -1));
     }
     lua_pop(L, 1);
 }
 
+// A number, or { wide, high }.
+static void read_work(lua_State *L, const field *f, void *at)
+{
+    static const field_table table = {"work", -1};
+    static const field wide = {COUNT_ROW("[1]", wide), .table = &table};
+    static const field high = {COUNT_ROW("[2]", work), .table = &table};
+    task *t = at;
+    if (!lua_istable(L, -1)) {
+        field_count.read(L, f, &t->work);
+        t->wide = t->work;
+        return;
+    }
+    if (lua_rawlen(L, -1) != 2)
+        field_refuse(L, f, "a number, or { wide, high }");
+    field_read_one(L, -1, &wide, t);
+    field_read_one(L, -1, &high, t);
+    t->work = t->work > (uint64_t)TASK_MOST / t->wide ? UINT64_MAX : t->wide * t->work;
+}
+
+static const field task_fields[] = {
+    FIELDS(task, kernel, entry),
+    {COUNT_ROW("items", items)},
+    {.name = "work",
+     .type = &(const field_type){.read = read_work},
+     .size = sizeof(uint64_t),
+     .least = 1,
+     .most = (double)TASK_MOST},
+    {.name = "tolerance",
+     .type = &(const field_type){.read = read_tolerance},
+     .offset = offsetof(task, tolerance),
+     .size = sizeof(double),
+     .most = DBL_MAX,
+     .expected = "a number from 0 or exact"},
+    {.name = "key", .type = &field_unread},
+    {.name = "args", .type = &field_unread},
+    {.name = "reference", .type = &field_unread},
+    {0},
+};
+
+static void check_fields(lua_State *L, task *t)
+{
+    t->kernel_line = field_line(L, "kernel");
+    t->reference_line = field_line(L, "reference");
+    if (!*t->kernel)
+        field_raise(L, NULL, "kernel is missing or empty; expected a kernel's name");
+    if (!*t->entry)
+        memcpy(t->entry, t->kernel, sizeof t->entry);
+    if (t->items == 0)
+        field_raise(L, NULL, "items is missing; expected how many there are");
+    if (t->work > (uint64_t)TASK_MOST / t->items)
+        field_raise(L, "work",
+                    "work is %" PRIu64 " for each of %" PRIu64 " items; expected at most "
+                    "%" PRId64 " for all",
+                    t->work, t->items, TASK_MOST);
+}
+
 int task_read_table(lua_State *L)
 {
-    static const char *const names[] = {"kernel", "entry",     "args",      "items", "work",
-                                        "key",    "reference", "tolerance", NULL};
     task_reading *r = lua_touserdata(L, READING);
     task *t = r->task;
     if (!lua_istable(L, ROOT))
@@ -169,22 +174,9 @@ int task_read_table(lua_State *L)
         return field_raise(L, NULL, "no parameter '%s'; the task declares none",
                            r->settings[0].name);
     }
-    field_only(L, ROOT, "a task", names);
-    read_name(L, "kernel", NULL, t->kernel);
-    t->kernel_line = field_line(L, "kernel");
-    t->reference_line = field_line(L, "reference");
-    read_name(L, "entry", t->kernel, t->entry);
-    if (lua_getfield(L, ROOT, "items") == LUA_TNIL)
-        return field_raise(L, NULL, "items is missing; expected how many there are");
-    lua_pop(L, 1);
-    t->items = read_count(L, "items", 0);
-    read_work(L, t);
-    if (t->work > (uint64_t)TASK_MOST / t->items)
-        return field_raise(L, "work",
-                           "work is %" PRIu64 " for each of %" PRIu64 " items; expected at most "
-                           "%" PRId64 " for all",
-                           t->work, t->items, TASK_MOST);
-    read_tolerance(L, t);
+    t->work = t->wide = 1;
+    field_read(L, ROOT, "a task", task_fields, t);
+    check_fields(L, t);
     read_key(L, t);
     task_args_read(L, ROOT, t, r->seed, &r->why);
     lua_settop(L, READING);

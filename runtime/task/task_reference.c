@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/text_file.h"
-#include "gen/field.h"
+#include "gen/field_line.h"
 #include "gen/script.h"
 
 #include <inttypes.h>
@@ -58,13 +58,13 @@ bool task_values_put(task_values *v, uint64_t i, lua_State *L, int index)
 // ---------------------------------------------------------------- arrays in Lua
 
 // An array of the task as the script sees it: a.x[0] to a.x[#a.x - 1].
-typedef struct seen {
+typedef struct array_view {
     task_values *values;
     const task_arg *arg;
     bool is_written;
-} seen;
+} array_view;
 
-static uint64_t check_index(lua_State *L, const seen *s)
+static uint64_t check_index(lua_State *L, const array_view *s)
 {
     int is_whole = 0;
     int64_t i = lua_tointegerx(L, 2, &is_whole);
@@ -76,7 +76,7 @@ static uint64_t check_index(lua_State *L, const seen *s)
 
 static int get_number(lua_State *L)
 {
-    const seen *s = lua_touserdata(L, 1);
+    const array_view *s = lua_touserdata(L, 1);
     uint64_t i = check_index(L, s);
     if (task_scalar_is_whole(s->values->scalar))
         lua_pushinteger(L, task_values_get_whole(s->values, i));
@@ -87,7 +87,7 @@ static int get_number(lua_State *L)
 
 static int set_number(lua_State *L)
 {
-    seen *s = lua_touserdata(L, 1);
+    array_view *s = lua_touserdata(L, 1);
     uint64_t i = check_index(L, s);
     if (!s->is_written)
         return luaL_error(L, "%s is only read: its access is %s", s->arg->name,
@@ -100,7 +100,7 @@ static int set_number(lua_State *L)
 
 static int count_numbers(lua_State *L)
 {
-    const seen *s = lua_touserdata(L, 1);
+    const array_view *s = lua_touserdata(L, 1);
     lua_pushinteger(L, (lua_Integer)s->values->n);
     return 1;
 }
@@ -112,8 +112,8 @@ static void push_array(lua_State *L, task_arg *arg)
                                        {"__len", count_numbers},
                                        {NULL, NULL}};
     bool is_written = task_arg_is_written(arg);
-    seen *s = lua_newuserdatauv(L, sizeof *s, 0);
-    *s = (seen){is_written ? &arg->expected : &arg->initial, arg, is_written};
+    array_view *s = lua_newuserdatauv(L, sizeof *s, 0);
+    *s = (array_view){is_written ? &arg->expected : &arg->initial, arg, is_written};
     luaL_newlib(L, methods);
     lua_setmetatable(L, -2);
 }

@@ -38,12 +38,10 @@ typedef struct bench_options {
 // X(name, what it compares) for each benchmark.
 // clang-format off
 #define BENCHES(X)                                                                               \
-    X(candidates, "merged rows against the paper's search, on one device")                       \
     X(share, "two devices against the better one, each way to split")                            \
-    X(step, "a whole step against the AVX2 program and the paper's kernels")                     \
+    X(step, "a whole step and its stages, against the AVX2 program and the paper's kernels")      \
     X(still, "what effects cost a scene that calls for none")                                    \
     X(growth, "time an object, up to --n objects")                                               \
-    BENCH_LIMIT(X)                                                                               \
     X(commands, "bodies that come and go before each step, and the same only woken")             \
     X(cost, "processor time and instructions of a step of six scenes, for .ci/cost")             \
     X(generate, "the text of each kernel, and its number of configs")                            \
@@ -57,11 +55,6 @@ typedef struct bench_options {
     X(tune, "searches for the share on this machine, one device slowed down")                    \
     X(tasks, "kernels and share of the example tasks, by each strategy and by all plans")        \
     X(strategies, "searches for the share on invented device pairs")
-#ifdef BENCH_AVX2
-#define BENCH_LIMIT(X) X(limit, "the AVX2 program alone, stage by stage")
-#else
-#define BENCH_LIMIT(X)
-#endif
 #define BENCH_DECLARE(name, about) void bench_##name(const bench_options *options);
 BENCHES(BENCH_DECLARE)
 // clang-format on

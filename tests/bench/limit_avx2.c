@@ -30,7 +30,6 @@ typedef struct search {
     uint32_t n_waiting;
     sat_result found;
     uint64_t capacity;
-    uint64_t n_candidates;
     uint64_t narrow_ns;
     bool full;
 } search;
@@ -306,7 +305,6 @@ static void test_waiting(limit *l, search *s)
         s->full = true;
     else
         sat_avx2(l->boxes, l->poses, s->first, s->second, s->n_waiting, &s->found);
-    s->n_candidates += s->n_waiting;
     s->n_waiting = 0;
     s->narrow_ns += clock_steady_ns() - begun;
 }
@@ -372,7 +370,6 @@ static void forget_pairs(limit *l)
     for (uint32_t t = 0; t < l->threads; ++t) {
         search *s = l->searches[t];
         s->found = (sat_result){.pairs = s->found.pairs};
-        s->n_candidates = 0;
         s->narrow_ns = 0;
         s->full = false;
     }
@@ -406,22 +403,6 @@ duet_span limit_span(const limit *l, uint32_t thread)
 {
     const sat_result *found = &l->searches[thread]->found;
     return (duet_span){found->pairs, found->n_pairs};
-}
-
-uint64_t limit_candidates(const limit *l)
-{
-    uint64_t sum = 0;
-    for (uint32_t t = 0; t < l->threads; ++t)
-        sum += l->searches[t]->n_candidates;
-    return sum;
-}
-
-uint64_t limit_open_pairs(const limit *l)
-{
-    uint64_t sum = 0;
-    for (uint32_t t = 0; t < l->threads; ++t)
-        sum += l->searches[t]->found.n_open;
-    return sum;
 }
 
 // ---------------------------------------------------------------- memory

@@ -26,7 +26,5 @@ bool limit_run(limit *l, const duet_pose *poses, limit_times *times);
 
 // The pairs that one thread found; they last until the next run.
 duet_span limit_span(const limit *l, uint32_t thread);
-uint64_t limit_candidates(const limit *l);
-uint64_t limit_open_pairs(const limit *l); // left open by float
 
 #endif

@@ -115,7 +115,6 @@ static void decide_open(const sat_box *boxes, const duet_pose *poses, uint32_t f
                         uint32_t second, sat_result *result)
 {
     uint32_t a = boxes[first].id, b = boxes[second].id;
-    ++result->n_open;
     if (narrow_decide(&poses[a], &poses[b], 3))
         result->pairs[result->n_pairs++] = (duet_pair){a < b ? a : b, a < b ? b : a};
 }

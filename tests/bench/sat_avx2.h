@@ -17,7 +17,6 @@ typedef struct sat_box {
 typedef struct sat_result {
     duet_pair *pairs; // space for 7 more than are written
     uint64_t n_pairs;
-    uint64_t n_open; // pairs of all tested, left open by float and decided on the host
 } sat_result;
 
 // Tests the pairs first[i], second[i], which are places in boxes; poses are by

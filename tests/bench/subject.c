@@ -139,9 +139,13 @@ void subject_print(const subject *s)
     subject_print_times(s->def.name, &s->total, &s->cpu);
 }
 
+void subject_print_stage(const char *name, const series *ms)
+{
+    printf("  %-22s %9.2f %9.2f\n", name, series_median(ms), series_least(ms));
+}
+
 void subject_print_stages(const subject *s)
 {
     for (uint32_t i = 0; i < s->n_stages; ++i)
-        printf("  %-22s %9.2f %9.2f\n", s->stages[i].name, series_median(&s->stages[i].ms),
-               series_least(&s->stages[i].ms));
+        subject_print_stage(s->stages[i].name, &s->stages[i].ms);
 }

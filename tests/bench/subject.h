@@ -54,6 +54,7 @@ const series *subject_stage(const subject *s, const char *name);
 void subject_print_head(void);
 void subject_print(const subject *s);
 void subject_print_times(const char *name, const series *wall, const series *cpu);
+void subject_print_stage(const char *name, const series *ms);
 void subject_print_stages(const subject *s);
 
 #endif

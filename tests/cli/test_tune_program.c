@@ -527,7 +527,7 @@ TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
         {"return {\n workloads = {{scene = 'a.lua'}},\n budget = {minutes = 1} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n objective = 'beauty' }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua', items = 3}} }", CONFIG ":2:"},
-        {"return {\n workloads = {{scene = 'a.lua', steps = 1}} }", CONFIG ":2: steps"},
+        {"return {\n workloads = {{scene = 'a.lua', steps = 1}} }", CONFIG ":2: workload 1: steps"},
         {"return {\n workloads = {{scene = 'a.lua', steps = 9, query = 'rays'}} }", CONFIG ":2:"},
         {"return {\n workloads = {} }", CONFIG ":2:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = 'best' }", CONFIG ":3:"},

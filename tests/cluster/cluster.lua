@@ -248,7 +248,7 @@ facts.holds("views hold until the next call, and nothing is taken that is none",
   fill(cluster, 0)
   facts.raises("its owner has given back", last.bytes, last)
   facts.raises("has no field 'plane'", duet.cluster, { plane = true })
-  facts.raises("'pair'", duet.cluster, { pair = {} })
+  facts.raises("pair is a table; expected a string", duet.cluster, { pair = {} })
   facts.raises("as many objects as there are ids", cluster.set_objects, cluster, { 1 }, duet.poses(2))
   facts.refused("BAD_ARGUMENT", "parts is 0", duet.cluster, { plain = true, parts = 0 })
   facts.refused("BAD_ARGUMENT", "papr: no such file or scene", cluster.load_scene, cluster, "papr")

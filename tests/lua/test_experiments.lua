@@ -180,7 +180,7 @@ facts.holds("a wrong option is refused with one line and exit 2", function()
     ["--repeat 0"] = "--repeat '0': give a whole number from 1",
     ["--pair x"] = "no device 'x'",
     [tiny .. " --variant x"] = "variant 'x': expected",
-    [tiny .. " --mode x"] = "field 'mode': 'x'; expected one of",
+    [tiny .. " --mode x"] = "mode is 'x'; expected one of",
     [tiny .. " --strategy x"] = "strategy 'x': there is none",
   } do
     facts.raises("exit 2: " .. says, run, "figure15", options)

@@ -60,21 +60,21 @@ end
 holds("a def has a ground of heights", function()
   local function with(heights) return on_ground("heights", heights) end
   slides_on("heights", { nx = 2, ny = 2, spacing = 40, origin = { -20, -20, 0 }, values = { 2, -2, 2, -2 } })
-  raises("field 'heights': 3, not a table of nx, ny", with(3))
-  raises("field 'heights': the fields are", with { nx = 2, ny = 2, value = {} })
-  raises("field 'heights': values must be nx times ny numbers", with { nx = 2, ny = 2, values = { 1, 2, 3 } })
-  raises("field 'heights': values must be finite", with { nx = 2, ny = 2, values = { 1, 2, 3, 0 / 0 } })
-  raises("field 'heights': values must be finite", with { nx = 2, ny = 2, values = { 1, 2, 3, "4" } })
-  raises("field 'heights': material must be", with { nx = 2, ny = 2, values = { 1, 2, 3, 4 }, material = 16 })
+  raises("heights is 3; expected a table of nx, ny", with(3))
+  raises("heights has no field 'value'; its fields are nx, ny", with { nx = 2, ny = 2, value = {} })
+  raises("heights: values must be nx times ny numbers", with { nx = 2, ny = 2, values = { 1, 2, 3 } })
+  raises("heights: values must be finite", with { nx = 2, ny = 2, values = { 1, 2, 3, 0 / 0 } })
+  raises("heights: values must be finite", with { nx = 2, ny = 2, values = { 1, 2, 3, "4" } })
+  raises("heights: material is 16; expected", with { nx = 2, ny = 2, values = { 1, 2, 3, 4 }, material = 16 })
 end)
 
 holds("a def has a mesh", function()
   local function with(mesh) return on_ground("mesh", mesh) end
   slides_on("mesh", { vertices = { -20, -20, 2, 20, -20, -2, -20, 20, 2, 20, 20, -2 }, triangles = { 0, 1, 3, 0, 3, 2 } })
-  raises("field 'mesh': 3, not a table of file and scale", with(3))
-  raises("field 'mesh': the fields are", with { vertex = {} })
-  raises("field 'mesh': vertices must be a list", with { vertices = { 1, 2 }, triangles = { 0, 1, 2 } })
-  raises("field 'mesh': none.stl: ", with { file = "none.stl" })
+  raises("mesh is 3; expected a table of file, scale", with(3))
+  raises("mesh has no field 'vertex'; its fields are", with { vertex = {} })
+  raises("mesh: vertices is a list of 2; expected a list", with { vertices = { 1, 2 }, triangles = { 0, 1, 2 } })
+  raises("mesh: none.stl: ", with { file = "none.stl" })
 end)
 
 -- Both slide at 4 m/s on a floor of material 1: mu g t is 0.1 (a pair) and 0.2 (min) of it.
@@ -95,11 +95,11 @@ holds("bodies name materials of a table", function()
     equal(math.abs(speed - (4 - 10 * friction)) < 0.02, true)
   end
   local function with(field, value) return pair.motion, pair, boxes, nil, { [field] = value } end
-  raises("field 'materials', row 1: expected a rule: average, geometric_mean, min, product or max",
+  raises("materials, row 1: friction_rule is 'mean'; expected one of average, geometric_mean, min, product, max",
     with("materials", { { friction_rule = "mean" } }))
-  raises("field 'material_pairs', row 2: expected two materials by their numbers",
+  raises("material_pairs, row 2: expected two materials by their numbers",
     with("material_pairs", { { 1, 1 }, { 1 } }))
-  raises("field 'materials', row 0: expected a list of at most 15 materials", with("materials", 3))
+  raises("materials is 3; expected a list of at most 15 materials", with("materials", 3))
 end)
 
 holds("a script acts between steps", function()
@@ -116,7 +116,7 @@ holds("a script acts between steps", function()
   equal(table.concat(seen, " "), "1 2 3 4")
   local states = assert(motion:read())
   equal(select(10, states:get(0)) > 4, true) -- velocity z
-  raises("not a function of the step and the motion", pair.motion, pair, poses, bodies, { script = 3 })
+  raises("expected a function of the step and the motion", pair.motion, pair, poses, bodies, { script = 3 })
   local again <close> = assert(pair:motion(poses, bodies, { script = function(_, m) m:advance() end }))
   raises("its script is running", again.advance, again)
   local broken <close> = assert(pair:motion(poses, bodies, { script = function() error "no more" end }))
@@ -286,7 +286,7 @@ end)
 
 holds("a motion refuses what makes no sense", function()
   raises("a motion has no field 'gravitation'", pair.motion, pair, poses, nil, { gravitation = 1 })
-  raises("there is no effect 'magic'; duet.effects() lists them", pair.motion, pair, poses, nil, { wants = { "magic" } })
+  raises("wants has 'magic', which is no effect; docs/effects.md and duet.effects() list them", pair.motion, pair, poses, nil, { wants = { "magic" } })
   raises("'sphere'; expected one of none, walls, periodic", pair.motion, pair, poses, nil, { boundary = "sphere" })
   raises("as many bodies as poses", pair.motion, pair, poses, duet.bodies(1))
   raises("column 13: 1, not true or false", duet.bodies, { { 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 1, mask, 0, 1, false } })

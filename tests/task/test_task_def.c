@@ -245,17 +245,17 @@ TEST(a_wrong_argument_is_one_line)
     refuse_arg((duet_task_arg_def){.name = "z", .type = "real", .elements = 1},
                "args.z: the type is real");
     refuse_arg((duet_task_arg_def){.name = "z", .type = "int"},
-               "args.z: the number of elements is 0");
+               "args.z: [2] is 0; expected a number of elements");
     refuse_arg((duet_task_arg_def){.name = "z", .type = "int", .elements = UINT64_MAX},
-               "args.z: the number of elements is 9223372036854775807; expected");
+               "args.z: [2] is 9223372036854775807; expected a number of elements");
     refuse_arg((duet_task_arg_def){.name = "z", .type = "int", .elements = 4, .access = "slices"},
-               "args.z: access is slices; expected all, slice");
+               "args.z: access is 'slices'; expected one of all, slice");
     refuse_arg((duet_task_arg_def){.name = "z", .type = "int", .elements = 4, .access = "slice"},
                "args.z: 4 elements for 1003 items");
     refuse_arg((duet_task_arg_def){.name = "z", .type = "int", .elements = 4, .halo = 1},
                "args.z: a halo with access all");
     refuse_arg((duet_task_arg_def){.name = "z", .type = "int", .elements = 4, .send = "twice"},
-               "args.z: send is twice");
+               "args.z: send is 'twice'");
     refuse_arg((duet_task_arg_def){.name = "z", .initial = zeros},
                "args.z has initial values; expected them of an array that is read");
     refuse_arg((duet_task_arg_def){.name = "z",
@@ -276,7 +276,7 @@ TEST(a_wrong_def_is_one_line)
     const duet_setting bad[] = {{"bins", "6 4"}}, no_size[] = {{"n", "few"}};
     duet_task_def def = make_def();
     def.items = 0;
-    expect_refused(&def, "the task of kernel scale: items is 0; expected 1 to");
+    expect_refused(&def, "the task of kernel scale: items is 0; expected a whole number");
     def = make_def();
     def.work = UINT64_MAX;
     expect_refused(&def, "work is 9223372036854775807");
@@ -291,7 +291,7 @@ TEST(a_wrong_def_is_one_line)
     def.n_key = 1;
     expect_refused(&def, "key: 'bins' is '6 4'");
     def.key = no_size;
-    expect_refused(&def, "n must be a whole number, is 'few'");
+    expect_refused(&def, "key: n is 'few'; expected a whole number");
     def = make_def();
     def.reference = "plain";
     expect_refused(&def, "there are a reference and expected values; expected one of them");
@@ -305,7 +305,7 @@ TEST(a_wrong_def_is_one_line)
                    "reference is 'right.bin', but the task has no folder; expected a kernel's");
     def = make_def();
     def.kernel = "";
-    expect_refused(&def, "kernel is too long or empty");
+    expect_refused(&def, "kernel is missing or empty");
 }
 
 static void expect_none(duet_task_def *def, duet_status status, const char *says)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // EACH(f, a, b, x, y, ...) is f(a, b, x), f(a, b, y), ... of up to 16 names.
-#ifndef LUA_EACH_H
-#define LUA_EACH_H
+#ifndef GEN_EACH_H
+#define GEN_EACH_H
 
 // clang-format off
 #define EACH_1(f, a, b, x) f(a, b, x)
