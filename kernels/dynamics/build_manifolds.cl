@@ -236,7 +236,7 @@ static inline void find_near(const scene *s, uint i, __local near_pair *near, vo
     solid a = solid_of(s, link.x), b = solid_of(s, link.y);
     float4 d = offset_of(s, link);
     uint axis = s->touches[i] >> TOUCH_AXIS;
-    best_axis best, face = {0.0f, 0, -1};
+    best_axis best, face;
     if (find_near_axes(&a, &b, d, lead_of(s->margin), s->margin, &best, &face, &axis)) {
         bool edges = best.a >= 0 && best.b >= 0;
         uint at = edges ? MOST_OF_GROUP - 1 - atomic_inc(n + 1) : atomic_inc(n);

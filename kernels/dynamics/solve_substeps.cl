@@ -116,9 +116,9 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
 
 // ------------------------------------------------------------ by groups that meet, or by one group
 
-static inline void prepare_all(const solver *s, const source *from, uint end)
+// blocks: the group's part of all
+static inline void prepare_all(const solver *s, const source *from, uint end, uint2 blocks)
 {
-    const uint2 blocks = own_range(s->spans[COLOUR_SPANS - 1].y, 1);
     for (uint colour = 0; colour < end; ++colour) {
         const colour_part part = part_in_blocks(colour, s->spans[colour], blocks);
         for (uint k = part.from; k < part.to; k += part.stride)
@@ -127,9 +127,8 @@ static inline void prepare_all(const solver *s, const source *from, uint end)
 }
 
 // Keeps the impulses of the last substep. Returns bits of the colours in which something bounces.
-static inline uint store_all(const solver *s, uint end)
+static inline uint store_all(const solver *s, uint end, uint2 blocks)
 {
-    const uint2 blocks = own_range(s->spans[COLOUR_SPANS - 1].y, 1);
     uint bouncing = 0;
     for (uint colour = 0; colour < end; ++colour) {
         const colour_part part = part_in_blocks(colour, s->spans[colour], blocks);
@@ -224,12 +223,14 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
     if (WAITS_FOR_HOST)
         return;
     const uint last = 2 * substeps;
-    colour_turn turn = {.end = to_colour > 0 ? min(to_colour, spans[COLOUR_SPANS - 1].x) : 0};
+    const uint4 all = to_colour > 0 ? spans[COLOUR_SPANS - 1] : (uint4)(0);
+    const uint2 own_blocks = own_range(all.y, 1);
+    colour_turn turn = {.end = min(to_colour, all.x)};
 #if MEET
     if (get_global_id(0) == 0)
         team[MEET_BOUNCES] = 0;
 #endif
-    prepare_all(&s, &from, turn.end);
+    prepare_all(&s, &from, turn.end, own_blocks);
     END_PART(parts);
     if (turn.end > 0)
         hold_part(&turn, &s, 0);
@@ -240,7 +241,7 @@ __kernel void solve_substeps(SOLVE_SUBSTEPS_ARGS)
         END_PART(parts);
         take_colours(&turn, &parts, &s, pass);
     }
-    const uint bouncing = store_all(&s, turn.end);
+    const uint bouncing = store_all(&s, turn.end, own_blocks);
     if (to_pass > last + 1)
         restore_colours(&parts, &s, turn.end, share_bouncing(&parts, &s, bouncing));
 }
