@@ -115,18 +115,24 @@ static void add_message(const gen *g, const char *message, text *to)
         text_add(to, "%s", message);
 }
 
-// The compiler's first error, or else its first line.
+// NVIDIA's assembler says "ptxas fatal", behind the compiler's warnings.
+const char *program_first_error(const char *log)
+{
+    static const char *const marks[] = {"error:", "fatal", "error"};
+    const char *at = NULL;
+    for (size_t i = 0; !at && i < sizeof marks / sizeof *marks; ++i)
+        at = strstr(log, marks[i]);
+    while (at && at > log && at[-1] != '\n')
+        --at;
+    return at ? at : log;
+}
+
 static bool fail_with_log(const program_set *set, const program *p, cl_program cl, duet_error *err)
 {
     char log[16384] = "";
     clGetProgramBuildInfo(cl, set->device->id, CL_PROGRAM_BUILD_LOG, sizeof log - 1, log, NULL);
-    const char *from = strstr(log, "error:");
-    while (from && from > log && from[-1] != '\n')
-        --from;
-    if (!from)
-        from = log;
     char place[PROGRAM_PLACE];
-    from = program_place_message(p->text, from, place);
+    const char *from = program_place_message(p->text, program_first_error(log), place);
     int length = (int)strcspn(from, "\n");
     text given = {0}, told = {0};
     text_add(&given, "%s%.*s", place, length ? length : 22,

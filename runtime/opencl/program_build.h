@@ -39,6 +39,9 @@ struct program_set {
 
 enum { PROGRAM_PLACE = 128 };
 
+// The line of a compiler's log with its first error, or else its first line.
+const char *program_first_error(const char *log);
+
 // Writes the file and line of a compiler's message, where that names but a line of the text, and
 // returns the rest of the message; else place is empty and the message is returned.
 const char *program_place_message(const char *source, const char *message,

@@ -42,6 +42,17 @@ TEST(a_message_that_counts_all_lines_is_one_of_a_file)
     expect_place("", "", "");
 }
 
+TEST(an_error_is_told_before_the_warnings_around_it)
+{
+    static const char warns[] =
+        "(): Warning: Function x is a kernel\nptxas fatal   : Unresolved extern function 'y'\n";
+    assert_string_equal(program_first_error(warns), strstr(warns, "ptxas"));
+    static const char fails[] =
+        "a.cl:1:1: warning: fatal\na.cl:2:1: error: x\n2 errors generated.\n";
+    assert_string_equal(program_first_error(fails), strstr(fails, "a.cl:2"));
+    assert_string_equal(program_first_error("warning: x\n"), "warning: x\n");
+}
+
 static void refused(const char *selector, duet_status status, const char *says)
 {
     must_fail(open_two(selector, selector, ERR), status, says);
