@@ -59,6 +59,7 @@ return {
   valid = function(p, limits)
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.GYRO == 1 and p.ANGULAR_VELOCITY == 0 then return false, "GYRO without ANGULAR_VELOCITY" end
+    if p.MEET == 1 and p.WG == 1 then return false, "groups that meet have several work-items" end
     if p.WG > 1 and p.LANES == 8 then return false, "lanes are for a work-item a group" end
     if p.GROUND_MATERIAL == 1 and p.MATERIALS == 0 then return false, "a material is one of a table" end
     return common.can_solve(p)
