@@ -2,8 +2,8 @@
 // All of a step's solving in one launch: as launches its passes would wait for each other longer than they take.
 //
 // Invariant: bodies and contacts go through the functions of prepare_contacts, integrate_velocities,
-// integrate_positions, solve_contacts, apply_restitution and store_impulses, in the same order. What of them knows no
-// order (a contact's constraint, and what is kept of it) groups that meet do for all colours together.
+// integrate_positions, solve_contacts, apply_restitution and store_impulses, in the same order. Groups
+// of several work-items make constraints, and keep impulses, of all colours together, for these know no order.
 //
 //   pass 0                contacts into blocks
 //   2 for each substep    bodies, and then the contacts of each colour: soft in the first, relaxed in the second
@@ -143,8 +143,8 @@ static inline uint store_all(const solver *s, uint end, uint2 blocks)
     return bouncing;
 }
 
-// A work-item's part of the colours, one after the other. What its next contact's constraint holds is loaded before the
-// groups meet: nobody else writes to it, and what was stored and what is loaded are waited for together.
+// A work-item's part of the colours, one after the other. The constraint of its next contact is loaded before
+// the groups meet: nobody else writes to it, and what was stored and what is loaded are waited for together.
 typedef struct {
     uint end; // of the colours
     uint4 span;
