@@ -54,7 +54,8 @@ return {
   },
   valid = function(p, limits)
     if p.WG > 1 and p.LANES == 8 then return false, "lanes are for a work-item a group" end
-    if p.WG > 1 and p.WG * p.PER_ITEM * 20 + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
+    local lists = p.ROTATED == 1 and p.CONTINUOUS == 0 and p.ROUNDED == 0
+    if p.WG > 1 and p.WG * p.PER_ITEM * (lists and 20 or 8) + 64 > limits.local_bytes then return false, "pairs above the device's local memory" end
     if p.DOUBLE == 1 and not limits.fp64 then return false, "the device has no double" end
     if p.DOUBLE == 1 and p.ORIGIN > 0 then return false, "origin cells are for a state in float" end
     if p.GROUND > 0 and (p.DIMS == 2 or p.ORIGIN > 0) then return false, "a ground is in 3D, without origin cells" end

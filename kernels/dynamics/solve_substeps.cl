@@ -160,6 +160,16 @@ static inline void hold_part(colour_turn *t, const solver *s, uint colour)
         hold_contact(&t->held, constraint_at(s->blocks, &t->part, t->part.from));
 }
 
+// Adds the impulses that a step begins with to what its first substep begins with.
+static inline void warm_held(const held_contact *h, __global float4 *bodies)
+{
+    pair p = h->p;
+    points all = h->all;
+    load_bodies(&p, bodies);
+    load_warm_impulses(&p, bodies);
+    store_warm_impulses(&p, &all, bodies);
+}
+
 static inline void take_turn(colour_turn *t, const solver *s, uint pass)
 {
     const colour_part *part = &t->part;

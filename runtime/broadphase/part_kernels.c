@@ -48,10 +48,12 @@ static bool is_roomy(const part_task *task)
            (task->objects->dims == 2 || cells[1] > 2);
 }
 
-// Of objects that move the kernels for a grid that is not roomy serve any number of sizes.
-static bool knows_levels(const part_task *task)
+// Of objects that move the kernels for a grid that is not roomy serve any number of sizes, unless a
+// variant has its cells compiled in, or knows one size.
+static bool knows_levels(const part *p, const part_task *task)
 {
-    return task->grid->n_levels > 1 || (task->moves && !is_roomy(task));
+    const bool any = task->moves && !p->variant.fixed && p->variant.search != SEARCH_PAPER;
+    return task->grid->n_levels > 1 || (any && !is_roomy(task));
 }
 
 // The kernels of each way to search.
@@ -150,7 +152,7 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         {"IDS", !tested, false},
         {"ACCURACY", level_of(task), false},
         {"GRID", g->kind, false},
-        {"LEVELS", knows_levels(task), false},
+        {"LEVELS", knows_levels(p, task), false},
         {"ROOMY", is_roomy(task), false},
         {"CELLS_X", cells.s[0], false},
         {"CELLS_Y", cells.s[1], false},

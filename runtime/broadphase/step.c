@@ -137,9 +137,9 @@ bool world_expect_motion(duet_world *world, bool spreads, duet_error *err)
     part_grid_kind kinds[3];
     const uint32_t n = list_grids(world, spreads, kinds);
     bool ok = true;
+    world->moves = true;
     if (world->variants[0].search == SEARCH_PAPER || world->variants[1].search == SEARCH_PAPER)
         return true; // it knows one kind of grid
-    world->moves = true;
     give_tasks(world, (const part_range[2]){{0}, {0}});
     for (int side = 0; ok && side < 2; ++side)
         ok = !may_work(world, side) ||

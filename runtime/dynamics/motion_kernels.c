@@ -315,8 +315,8 @@ bool motion_team_solves(const motion_kernels *k)
            kernel_param(k->solve_contacts, "LANES") == kernel_param(k->solve_substeps, "LANES");
 }
 
-// Launches that do all of several stages spare the kernels of each, unless a domain takes its stages
-// one by one.
+// Launches that do all of several stages spare the kernels of each, unless a domain takes its
+// stages one by one.
 static void spare_stages(duet_motion *m)
 {
     motion_kernels *k = &m->kernels;
@@ -358,13 +358,22 @@ bool motion_prepare(duet_motion *m, duet_error *err)
 // After a failure those before go on.
 bool motion_prepare_again(duet_motion *m, duet_error *err)
 {
+    scan *sums = &m->graph.scan;
+    radix_sort *sorts = &m->solver.radix;
     const motion_kernels kernels = m->kernels;
     const motion_layout layout = m->layout;
+    kernel *const of_sorts[] = {sums->block_sums, sums->top_sums, sums->blocks, sorts->count,
+                                sorts->move};
     bool ok = choose_all(m, err) && program_set_build(m->programs, err);
     product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
         m->kernels = kernels;
         m->layout = layout;
+        sums->block_sums = of_sorts[0];
+        sums->top_sums = of_sorts[1];
+        sums->blocks = of_sorts[2];
+        sorts->count = of_sorts[3];
+        sorts->move = of_sorts[4];
     }
     return ok;
 }

@@ -133,4 +133,34 @@ TEST(a_body_that_leaves_all_others_makes_it_build_none)
     }
 }
 
+// A few bodies, whose grid is less than three cells wide; the plan changes after some steps.
+static uint64_t hash_by(const char *first, const char *then)
+{
+    mover *m = make(0.05);
+    mover_wall_in(m, 0, 4);
+    for (int i = 0; i < 20; ++i)
+        mover_add_cube(m, 0.7 + 1.1 * (i % 3), 0.7 + 1.1 * (i / 3 % 3), 0.7 + 1.1 * (i / 9), 1);
+    snprintf(m->def.plan.variant_a, sizeof m->def.plan.variant_a, "%s", first);
+    snprintf(m->def.plan.variant_b, sizeof m->def.plan.variant_b, "%s", first);
+    mover_run(m, 10);
+    duet_plan plan = m->def.plan;
+    snprintf(plan.variant_a, sizeof plan.variant_a, "%s", then);
+    snprintf(plan.variant_b, sizeof plan.variant_b, "%s", then);
+    must(duet_motion_set_plan(m->motion, &plan, ERR));
+    mover_run(m, 10);
+    uint64_t hash = mover_hash(m);
+    mover_free(m);
+    return hash;
+}
+
+TEST(what_is_built_ahead_keeps_to_what_a_plan_has_compiled_in)
+{
+    static const char *const plans[] = {"auto", "paper", "simd cells=fixed", "gpu cells=fixed"};
+    const uint64_t truth = hash_by("auto", "auto");
+    for (int i = 0; i < 4; ++i) {
+        assert_int_equal(hash_by(plans[i], plans[(i + 1) % 4]), truth);
+        assert_int_equal(hash_by(plans[(i + 2) % 4], plans[i]), truth);
+    }
+}
+
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -309,7 +309,7 @@ static void refuse_scene(const char *name, const char *text, const char *setting
 
 TEST(a_scene_says_what_is_wrong_with_its_origin)
 {
-    refuse_scene("a.lua", "return {origin = 'cells'}", NULL, "origin is 'cells'; it must be");
+    refuse_scene("a.lua", "return {origin = 'cells'}", NULL, "origin is 'cells'; expected \"cell\"");
     refuse_scene("a.lua", "return {origin = 'cell', origin_edge = 3}", NULL, "power of two");
     refuse_scene("a.lua", "add(0, 0, 1, 1) return {origin = 'cell'}", NULL, "not by corners");
     refuse_scene("a.lua", "add(0, 3e9, 1, 1, 0) return {origin = 'cell'}", NULL, "object 0");
