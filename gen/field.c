@@ -209,7 +209,7 @@ static void set_number(void *at, size_t i, lua_Number value, size_t bytes)
 static void read_numbers(lua_State *L, const field *f, void *at, size_t bytes)
 {
     size_t n = f->size / bytes;
-    if (n == 1) {
+    if (n <= 1) {
         set_number(at, 0, take_number(L, f), bytes);
         return;
     }

@@ -18,10 +18,17 @@ static const field heights_fields[] = {
     {0},
 };
 
+// As they stand in the table: its metatable is not asked. Returns their type.
+static int push_values(lua_State *L)
+{
+    lua_pushliteral(L, "values");
+    return lua_rawget(L, -2);
+}
+
 void heights_read_values(lua_State *L, const duet_heights *h, float *to)
 {
     bool ok = true;
-    lua_getfield(L, -1, "values");
+    push_values(L);
     for (uint32_t i = 0; ok && i < h->nx * h->ny; ++i) {
         ok = lua_rawgeti(L, -1, (lua_Integer)i + 1) == LUA_TNUMBER;
         to[i] = (float)lua_tonumber(L, -1);
@@ -40,7 +47,7 @@ void heights_read(lua_State *L, duet_heights *h)
     uint64_t n = (uint64_t)h->nx * h->ny;
     if (n == 0 || n > DUET_MOST_HEIGHTS)
         field_raise(L, "heights", "heights: nx is %u, ny is %u; expected " SIDE, h->nx, h->ny);
-    if (lua_getfield(L, -1, "values") != LUA_TTABLE || lua_rawlen(L, -1) != n)
+    if (push_values(L) != LUA_TTABLE || lua_rawlen(L, -1) != n)
         field_raise(L, "values", "heights: values must be nx times ny numbers, row by row along x");
     lua_pop(L, 1);
 }

@@ -9,6 +9,7 @@
 #include "runtime/scene/scene_heights.h"
 #include "runtime/scene/scene_mesh.h"
 
+#include <float.h>
 #include <lauxlib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,16 +22,14 @@ static const field body_fields[] = {SCENE_BODY_FIELDS(duet_body, ), {0}};
 static void read_angular_velocity(lua_State *L, const field *f, void *at)
 {
     float *v = at;
-    field one = *f;
-    one.size = sizeof *v;
-    one.least = -FLT_MAX;
-    one.most = FLT_MAX;
-    if (lua_istable(L, -1) && lua_rawlen(L, -1) != 3)
+    const bool about_z = !lua_istable(L, -1);
+    field finite = *f;
+    finite.size = about_z ? sizeof *v : f->size;
+    finite.least = -FLT_MAX;
+    finite.most = FLT_MAX;
+    if (!about_z && lua_rawlen(L, -1) != 3)
         field_refuse(L, f, "{ x, y, z } or, in 2D, a number");
-    if (lua_istable(L, -1))
-        field_float.read(L, f, v);
-    else
-        field_float.read(L, &one, &v[2]);
+    field_float.read(L, &finite, about_z ? &v[2] : v);
 }
 
 const field_type field_angular_velocity = {.read = read_angular_velocity};
@@ -122,8 +121,12 @@ void scene_read_mesh(lua_State *L, const field *f, void *at)
 
 void scene_read_origin_edge(lua_State *L, const field *f, void *at)
 {
+    field one = *f;
+    one.size = sizeof(double);
+    one.least = -DBL_MAX;
+    one.most = DBL_MAX;
     (void)at;
-    field_double.read(L, f, &scene_reading_of(L)->origin_edge);
+    field_double.read(L, &one, &scene_reading_of(L)->origin_edge);
 }
 
 void scene_read_origin(lua_State *L, const field *f, void *at)

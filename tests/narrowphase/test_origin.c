@@ -309,11 +309,23 @@ static void refuse_scene(const char *name, const char *text, const char *setting
 
 TEST(a_scene_says_what_is_wrong_with_its_origin)
 {
-    refuse_scene("a.lua", "return {origin = 'cells'}", NULL, "origin is 'cells'; expected \"cell\"");
+    refuse_scene("a.lua", "return {origin = 'cells'}", NULL,
+                 "origin is 'cells'; expected \"cell\"");
     refuse_scene("a.lua", "return {origin = 'cell', origin_edge = 3}", NULL, "power of two");
+    refuse_scene("a.lua", "return {origin = 'cell', origin_edge = {4, 2}}", NULL, "expected");
+    refuse_scene("a.lua", "return {origin = 'cell', origin_edge = 'x'}", NULL, "expected");
+    refuse_scene("a.lua", "return {origin = 'cell', origin_edge = 0/0}", NULL, "expected");
     refuse_scene("a.lua", "add(0, 0, 1, 1) return {origin = 'cell'}", NULL, "not by corners");
     refuse_scene("a.lua", "add(0, 3e9, 1, 1, 0) return {origin = 'cell'}", NULL, "object 0");
     refuse_scene("a.csv", "0 0 1 1 0\n", "yes", "only origin=cell and origin_edge can be set");
+}
+
+TEST(a_script_s_edge_is_the_scene_s)
+{
+    const char *text =
+        "add(100, 0, 0, 1, 1, 1, 0, 0, 0, 1) return {origin = 'cell', origin_edge = 64}";
+    duet_scene *scene = must(scene_from_text("edge.lua", text, ERR));
+    assert_true(duet_scene_get_info(scene)->origin_edge == 64);
 }
 
 TEST(data_are_placed_where_that_is_asked_for)
