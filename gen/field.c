@@ -17,7 +17,7 @@ const char *field_push_shown(lua_State *L, int index)
 
 // ---------------------------------------------------------------- messages
 
-// What the message is about, if that is one of several: "object 3: "; else nothing.
+// Names the object that the message is about, if there are several: "object 3: "; else nothing.
 static const char *push_prefix(lua_State *L, const field_table *table, const char *after)
 {
     if (!table)

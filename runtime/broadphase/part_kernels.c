@@ -48,8 +48,8 @@ static bool is_roomy(const part_task *task)
            (task->objects->dims == 2 || cells[1] > 2);
 }
 
-// Of objects that move the kernels for a grid that is not roomy serve any number of sizes, unless a
-// variant has its cells compiled in, or knows one size.
+// Kernels for objects that move serve any number of sizes if the grid is not roomy, unless a variant
+// has its cells compiled in, or knows one size.
 static bool knows_levels(const part *p, const part_task *task)
 {
     const bool any = task->moves && !p->variant.fixed && p->variant.search != SEARCH_PAPER;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a motion's first step built serves all its steps: a frame never waits for a compiler.
+// A motion builds all that its steps need when it is made: a frame never waits for a compiler.
 #include "support/commands.h"
 #include "support/devices.h"
 #include "support/mover.h"
