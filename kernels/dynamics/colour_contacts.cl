@@ -73,6 +73,7 @@ static inline void add_up(const colouring *c, counts places, counts all)
     const uint item = get_local_id(0), group = get_group_id(0), groups = get_num_groups(0);
     for (uint key = item; key < PUSHING_KEYS; key += WG) {
         uint before = 0, sum = 0;
+#pragma unroll 16
         for (uint q = 0; q < groups; ++q) {
             uint count = c->key_counts[q * PUSHING_KEYS + key];
             before += q < group ? count : 0;

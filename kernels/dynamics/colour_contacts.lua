@@ -2,7 +2,8 @@
 return {
   about = "all of graph colouring in one launch, by a team of a CPU's groups or a GPU's that meet",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/listed.clh",
-    "dynamics/team.clh", "dynamics/meet.clh", "dynamics/colour_choice.clh", "dynamics/colouring.clh" },
+    "dynamics/team.clh", "dynamics/meet.clh", "dynamics/colour_choice.clh", "dynamics/body_row.clh",
+    "dynamics/colouring.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE, common.SLEEP, common.SENSORS,
     { "TEAM", values = { 0, 1 }, default = 0, silent = true, about = "1: a launch's groups colour together" },

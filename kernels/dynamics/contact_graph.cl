@@ -272,20 +272,42 @@ __kernel void contact_graph_sort(CONTACT_GRAPH_SORT_ARGS)
 }
 
 // The contacts of rows are links (fill 0).
+static inline void begin_contact(const graph *g, uint i, uint row, uint other)
+{
+    g->links[i] = (uint2)(row, other);
+    g->touches[i] = 0;
+#if CONTACT_RESPONSE
+    g->colours[i] = COLOUR_NONE;
+#endif
+}
+
+// Contacts of a row that a GPU takes together, so that it waits for their others once.
+#if WG > 1
+#define TAKEN 4
+#else
+#define TAKEN 1
+#endif
+
 static inline void put_returns(const graph *g, const row_sink *to, uint first, uint last)
 {
     for (uint row = first; row < last; ++row) {
-        for (uint i = g->starts[row]; i < g->starts[row + 1]; ++i) {
-            uint other = g->others[i];
-            if (!to->fill) {
-                g->links[i] = (uint2)(row, other);
-                g->touches[i] = 0;
-#if CONTACT_RESPONSE
-                g->colours[i] = COLOUR_NONE;
-#endif
+        const uint end = g->starts[row + 1];
+        for (uint i = g->starts[row]; i < end; i += TAKEN) {
+            uint others[TAKEN];
+            bool moves[TAKEN];
+#pragma unroll
+            for (uint k = 0; k < TAKEN; ++k)
+                others[k] = g->others[min(i + k, end - 1)];
+#pragma unroll
+            for (uint k = 0; k < TAKEN; ++k)
+                moves[k] = (g->velocities[min(others[k], g->n - 1)].w > 0) & (others[k] < g->n) & (i + k < end);
+#pragma unroll
+            for (uint k = 0; k < TAKEN; ++k) {
+                if (!to->fill && i + k < end)
+                    begin_contact(g, i + k, row, others[k]);
+                if (moves[k])
+                    put_in_row(to, others[k], i + k);
             }
-            if (other < g->n && g->velocities[other].w > 0)
-                put_in_row(to, other, i);
         }
     }
 }

@@ -2,7 +2,8 @@
 return {
   about = "graph colouring: contacts of one colour share no body that moves",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh",
-    "dynamics/listed.clh", "dynamics/colour_choice.clh", "dynamics/colouring.clh" },
+    "dynamics/listed.clh", "dynamics/colour_choice.clh", "dynamics/body_row.clh",
+    "dynamics/colouring.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE, common.SLEEP, common.SENSORS,
     common.GROUP(64), common.ROWS_AN_ITEM,

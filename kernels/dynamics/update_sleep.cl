@@ -20,10 +20,9 @@ typedef struct {
     bool deep;
 } touch;
 
-static inline void add_touch(const scene *s, uint contact, uint other, touch *so_far)
+static inline void add_touch(const scene *s, uint word, uint other, touch *so_far)
 {
-    uint word = s->touches[contact];
-    if (!(word & TOUCH_POINTS) || is_sensor(s, other))
+    if (!so_far->rests || !(word & TOUCH_POINTS) || is_sensor(s, other))
         return;
     so_far->rests = is_at_rest(s, other);
     so_far->deep = so_far->deep || (word & TOUCH_DEEP);
@@ -35,10 +34,12 @@ static inline touch touch_of(const scene *s, uint id)
     touch found = {true, false};
     if (is_sensor(s, id))
         return found;
-    for (uint i = s->starts[id]; found.rests && i < s->starts[id + 1]; ++i)
-        add_touch(s, i, s->links[i].y, &found);
-    for (uint k = s->return_starts[id]; found.rests && k < s->return_starts[id + 1]; ++k)
-        add_touch(s, s->returns[k], s->links[s->returns[k]].x, &found);
+    const body_row row = row_of(s->starts, s->return_starts, s->returns, id);
+    for (uint k = 0; found.rests && k < row.n; k += ROW_AHEAD) {
+        const contacts_ahead next = look_ahead(&row, k, s->links, s->touches);
+        EACH_AHEAD(j, next)
+            add_touch(s, next.words[j], other_of(next.links[j], id), &found);
+    }
     return found;
 }
 
@@ -70,9 +71,9 @@ __kernel void update_sleep(UPDATE_SLEEP_ARGS)
         atomic_or(flags + FLAG_PRESSED, 1u);
 }
 
-static inline void wake_across(const scene *s, volatile __global uint *asleep, uint contact, uint other)
+static inline void wake_across(const scene *s, volatile __global uint *asleep, uint word, uint other)
 {
-    if (other < s->n && (s->touches[contact] & TOUCH_POINTS) && !is_sensor(s, other) && (asleep[other] & SLEEPS))
+    if (other < s->n && (word & TOUCH_POINTS) && !is_sensor(s, other) && (asleep[other] & SLEEPS))
         atomic_xchg(asleep + other, WOKE);
 }
 
@@ -86,10 +87,12 @@ __kernel void wake_touching(WAKE_TOUCHING_ARGS)
         uint id = AWAKE_AT(k);
         if (!(asleep[id] & WOKE) || is_at_rest(&s, id) || is_sensor(&s, id))
             continue;
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            wake_across(&s, asleep, i, links[i].y);
-        for (uint j = return_starts[id]; j < return_starts[id + 1]; ++j)
-            wake_across(&s, asleep, returns[j], links[returns[j]].x);
+        const body_row row = row_of(starts, return_starts, returns, id);
+        for (uint i = 0; i < row.n; i += ROW_AHEAD) {
+            const contacts_ahead next = look_ahead(&row, i, links, touches);
+            EACH_AHEAD(j, next)
+                wake_across(&s, asleep, next.words[j], other_of(next.links[j], id));
+        }
     }
 }
 
@@ -119,17 +122,16 @@ static inline float share_of(const scene *s, uint id, uint other)
     return is_pushed_out(s, other) ? (float)(mass * inverse(mass + s->velocities[other].w)) : 1.0f;
 }
 
-static inline bool is_pushing(const scene *s, uint contact, uint other)
+static inline bool is_pushing(const scene *s, uint word, uint other)
 {
-    return !is_sensor(s, other) && (s->touches[contact] & TOUCH_POINTS);
+    return !is_sensor(s, other) && (word & TOUCH_POINTS);
 }
 
-static inline float depth_of(const scene *s, uint contact)
+static inline float depth_of(__global const float *record, uint word)
 {
-    __global const float *points = s->contacts + (size_t)contact * RECORD + HEAD;
     float deepest = 0.0f;
-    for (uint k = 0; k < (s->touches[contact] & TOUCH_POINTS); ++k)
-        deepest = fmax(deepest, -points[k * POINT_FLOATS + OF_SEPARATION]);
+    for (uint k = 0; k < (word & TOUCH_POINTS); ++k)
+        deepest = fmax(deepest, -record[HEAD + k * POINT_FLOATS + OF_SEPARATION]);
     return deepest;
 }
 
@@ -141,24 +143,27 @@ static inline float way_apart(const scene *s, float4 normal, float4 way, uint ot
     return -side * fma(between.x, normal.x, fma(between.y, normal.y, between.z * normal.z));
 }
 
-static inline float4 push_of(const scene *s, uint contact, uint id, uint other, float4 way, float side)
+static inline float4 push_of(const scene *s, uint contact, uint word, uint2 link, uint id, float4 way)
 {
-    if (!(s->touches[contact] & TOUCH_DEEP) || !is_pushing(s, contact, other))
+    const uint other = other_of(link, id);
+    if (!(word & TOUCH_DEEP) || !is_pushing(s, word, other))
         return (float4)(0.0f);
-    float4 normal = float4_at(s->contacts + (size_t)contact * RECORD + AT_NORMAL);
-    float excess = depth_of(s, contact) - way_apart(s, normal, way, other, side) - LEFT * s->margin;
+    __global const float *record = s->contacts + (size_t)contact * RECORD;
+    const float side = link.x == id ? -1.0f : 1.0f;
+    float4 normal = float4_at(record + AT_NORMAL);
+    float excess = depth_of(record, word) - way_apart(s, normal, way, other, side) - LEFT * s->margin;
     return excess > 0.0f ? 0.5f * side * excess * share_of(s, id, other) * normal : (float4)(0.0f);
 }
 
 // Lessens a contact's impulses by as much as it is less deep, for when its bodies wake.
-static inline void lessen_pushes(const scene *s, uint contact, __global float *record, uint other, float4 way)
+static inline void lessen_pushes(const scene *s, __global float *record, uint word, uint other, float4 way)
 {
-    float depth = depth_of(s, contact);
-    if (!is_pushing(s, contact, other) || !(depth > 0.0f))
+    float depth = depth_of(record, word);
+    if (!is_pushing(s, word, other) || !(depth > 0.0f))
         return;
     float apart = way_apart(s, float4_at(record + AT_NORMAL), way, other, -1.0f);
     float part = clamp((depth - apart) * (float)inverse((real)depth), 0.0f, 1.0f);
-    for (uint k = 0; k < (s->touches[contact] & TOUCH_POINTS); ++k) {
+    for (uint k = 0; k < (word & TOUCH_POINTS); ++k) {
         __global float *point = record + HEAD + k * POINT_FLOATS;
         point[OF_NORMAL_IMPULSE] *= part;
         for (int j = 0; FRICTION && j < DIMS - 1; ++j)
@@ -178,10 +183,12 @@ __kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
         if (!is_pushed_out(&s, id))
             continue;
         float4 way = way_of(&s, id), push = (float4)(0.0f);
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            push += push_of(&s, i, id, links[i].y, way, -1.0f);
-        for (uint j = return_starts[id]; j < return_starts[id + 1]; ++j)
-            push += push_of(&s, returns[j], id, links[returns[j]].x, way, 1.0f);
+        const body_row row = row_of(starts, return_starts, returns, id);
+        for (uint i = 0; i < row.n; i += ROW_AHEAD) {
+            const contacts_ahead next = look_ahead(&row, i, links, touches);
+            EACH_AHEAD(j, next)
+                push += push_of(&s, next.contacts[j], next.words[j], next.links[j], id, way);
+        }
         bodies[(size_t)id * BODY + (~round & 1u)] = way + push;
     }
 }
@@ -199,8 +206,12 @@ __kernel void move_sleepers(MOVE_SLEEPERS_ARGS)
         if (!is_pushed_out(&s, id))
             continue;
         float4 way = way_of(&s, id);
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            lessen_pushes(&s, i, contacts + (size_t)i * RECORD, links[i].y, way);
+        const body_row own = own_row_of(starts, id);
+        for (uint i = 0; i < own.n; i += ROW_AHEAD) {
+            const contacts_ahead next = look_ahead(&own, i, links, touches);
+            EACH_AHEAD(j, next)
+                lessen_pushes(&s, contacts + (size_t)next.contacts[j] * RECORD, next.words[j], next.links[j].y, way);
+        }
         real4 centre = centres[id];
         centre.xyz += convert_real4(way).xyz;
         if (ORIGIN)

@@ -36,7 +36,7 @@ local of_sleepers = [[
 return {
   about = "which bodies sleep; those that do deep in each other are pushed apart",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
-    "dynamics/listed.clh" },
+    "dynamics/listed.clh", "dynamics/body_row.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.ORIGIN, common.TURN, common.FRICTION, common.CONTACT_RESPONSE,
     { "SLEEP", values = { 1 }, default = 1, about = "bodies at rest are left out" },
