@@ -13,7 +13,7 @@
 // ------------------------------------------------------------ prepare
 
 // The inverse inertia of a turned box along the world's axes.
-static inline void put_inertia(__global float4 *body, real4 rotation, float4 inverse)
+static inline void put_inertia(float4 body[BODY], real4 rotation, float4 inverse)
 {
     real4 axis[3];
     box_axes(rotation, axis);
@@ -25,21 +25,19 @@ static inline void put_inertia(__global float4 *body, real4 rotation, float4 inv
                                   fma(a.x, u.z, fma(b.x, v.z, c.x * w.z)), fma(a.y, u.z, fma(b.y, v.z, c.y * w.z)));
 }
 
-static inline void prepare_turn(const state *s, uint id, __global float4 *body)
+static inline void prepare_turn(const state *s, uint id, float4 body[BODY])
 {
-    bool wall = id >= s->n;
-    body[BODY_ANGULAR_VELOCITY] = body[BODY_WARM_TORQUE] = (float4)(0.0f);
-    body[BODY_DELTA_ROTATION] = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
-    if (ROUNDED || ANGULAR_VELOCITY == 2)
-        body[BODY_ARC] = (float4)(0.0f, 0.0f, 0.0f, wall || !ROUNDED ? 0.0f : s->halves[id].w);
-    body[BODY_INERTIA] = (float4)(0.0f);
+    const bool wall = id >= s->n;
+    body[BODY_DELTA_ROTATION].w = 1.0f;
+    if (ROUNDED && !wall)
+        body[BODY_ARC].w = s->halves[id].w;
     if (wall)
         return;
     body[BODY_ANGULAR_VELOCITY].xyz = convert_float4(s->angular_velocities[id]).xyz;
     put_inertia(body, s->rotations[id], s->inertias[id]);
 }
 
-static inline void put_to_sleep(__global float4 *body)
+static inline void put_to_sleep(float4 body[BODY])
 {
     body[BODY_VELOCITY] = (float4)(0.0f);
     if (!ANGULAR_VELOCITY)
@@ -49,31 +47,49 @@ static inline void put_to_sleep(__global float4 *body)
     body[BODY_DELTA_POSITION].w = 0.0f;
 }
 
+// Prepares all rows, so that no part of a body's line is read.
+static inline void prepare_body(const state *s, uint id, float4 body[BODY])
+{
+    const bool wall = id >= s->n;
+#pragma unroll
+    for (uint row = 0; row < BODY; ++row)
+        body[row] = (float4)(0.0f);
+    if (!wall)
+        body[BODY_VELOCITY] = convert_float4(s->velocities[id]);
+    if (ANGULAR_VELOCITY)
+        prepare_turn(s, id, body);
+    if (SLEEP && !wall && (s->asleep[id] & SLEEPS))
+        put_to_sleep(body);
+}
+
 // Whether a body woke in this step or fell asleep, since it was prepared.
 static inline bool is_turned_over(const state *s, uint id, __global const float4 *body)
 {
     return (s->asleep[id] & WOKE) || ((s->asleep[id] & SLEEPS) && body[BODY_VELOCITY].w > 0.0f);
 }
 
+// The body that comes k-th: those awake, then all that never move, which a step prepares once.
+static inline uint id_to_prepare(const state *s, __global const float4 *bodies, uint k)
+{
+    const uint n_here = N_AWAKE_OF(s);
+    if (k >= n_here)
+        return k < n_here + FIXED && !(SLEEP && s->woken) ? s->n + (k - n_here) : NO_BODY;
+    const uint id = AWAKE_OF(s, k);
+    return SLEEP && s->woken && !is_turned_over(s, id, bodies + (size_t)id * BODY) ? NO_BODY : id;
+}
+
 __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
 {
     const state s = {PREPARE_BODIES_VALUES};
+    BODY_LINES(lines);
     if (SLEEP && s.woken && !s.flags[FLAG_FELL_ASLEEP])
         return;
-    uint first = get_global_id(0) * PER_ITEM;
-    uint n_here = N_AWAKE, last = min(first + PER_ITEM, n_here + FIXED);
-    for (uint k = first; k < last; ++k) {
-        uint id = k < n_here ? AWAKE_AT(k) : n + (k - n_here);
-        __global float4 *body = bodies + (size_t)id * BODY;
-        bool wall = id >= n;
-        if (SLEEP && s.woken && (wall || !is_turned_over(&s, id, body)))
-            continue;
-        body[BODY_VELOCITY] = wall ? (float4)(0.0f) : convert_float4(velocities[wall ? 0 : id]);
-        body[BODY_DELTA_POSITION] = body[BODY_WARM_IMPULSE] = (float4)(0.0f);
-        if (ANGULAR_VELOCITY)
-            prepare_turn(&s, id, body);
-        if (SLEEP && !wall && (s.asleep[id] & SLEEPS))
-            put_to_sleep(body);
+    for (uint turn = 0; turn < PER_ITEM; ++turn) {
+        const uint id = id_to_prepare(&s, bodies, k_of(turn));
+        float4 body[BODY];
+        if (id != NO_BODY)
+            prepare_body(&s, id, body);
+        store_body(&lines, bodies, id, ~0u, body);
     }
 }
 
@@ -82,10 +98,16 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
 __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 {
     const state s = {INTEGRATE_VELOCITIES_VALUES};
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, N_AWAKE);
-    for (uint k = first; k < last; ++k)
-        integrate_velocity(&s, bodies, AWAKE_AT(k));
+    BODY_LINES(lines);
+    const uint n_here = N_AWAKE;
+    for (uint turn = 0; turn < PER_ITEM; ++turn) {
+        const uint k = k_of(turn), id = k < n_here ? AWAKE_AT(k) : NO_BODY;
+        float4 body[BODY];
+        load_body(&lines, bodies, id, ~0u, body);
+        if (id != NO_BODY)
+            accelerate_body(&s, id, body);
+        store_body(&lines, bodies, id, ACCELERATED_ROWS, body);
+    }
 }
 
 // ------------------------------------------------------------ finalize
@@ -112,38 +134,44 @@ static inline float fastest_square(const state *s, uint id, float4 velocity, flo
     return fastest + dot_float(angular_velocity, angular_velocity) * square;
 }
 
+#define MOVED_ROWS                                           \
+    (ROW_BIT(BODY_VELOCITY) | ROW_BIT(BODY_DELTA_POSITION) | \
+     (ANGULAR_VELOCITY ? ROW_BIT(BODY_ANGULAR_VELOCITY) | ROW_BIT(BODY_DELTA_ROTATION) : 0u))
+
 __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     const state s = {FINALIZE_BODIES_VALUES};
+    BODY_LINES(lines);
     if (WAITS_FOR_HOST)
         return;
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, N_AWAKE);
-    for (uint k = first; k < last; ++k) {
-        uint id = AWAKE_AT(k);
-        __global const float4 *body = bodies + (size_t)id * BODY;
-        if (SLEEP && (s.asleep[id] & SLEEPS)) {
+    const uint n_here = N_AWAKE;
+    for (uint turn = 0; turn < PER_ITEM; ++turn) {
+        const uint k = k_of(turn), id = k < n_here ? AWAKE_AT(k) : NO_BODY;
+        float4 body[BODY];
+        load_body(&lines, bodies, id, MOVED_ROWS, body);
+        const bool sleeps = SLEEP && id != NO_BODY && (s.asleep[id] & SLEEPS);
+        if (sleeps) {
             velocities[id].xyz = (real)0;
 #if ANGULAR_VELOCITY
             angular_velocities[id] = (real4)(0);
 #endif
-            continue;
         }
-        float4 velocity = body[BODY_VELOCITY], angular_velocity = (float4)(0.0f);
-        real4 centre = centres[id];
-        centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
-        if (ORIGIN)
-            normalize_offset(&centre, s.cells + id);
-        centres[id] = centre;
-        velocities[id].xyz = convert_real4(velocity).xyz;
+        if (id != NO_BODY && !sleeps) {
+            float4 velocity = body[BODY_VELOCITY], angular_velocity = (float4)(0.0f);
+            real4 centre = centres[id];
+            centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
+            if (ORIGIN)
+                normalize_offset(&centre, s.cells + id);
+            centres[id] = centre;
+            velocities[id].xyz = convert_real4(velocity).xyz;
 #if ANGULAR_VELOCITY
-        angular_velocity = body[BODY_ANGULAR_VELOCITY];
-        rotations[id] = turned_by(rotations[id], convert_real4(body[BODY_DELTA_ROTATION]));
-        angular_velocities[id].xyz = convert_real4(angular_velocity).xyz;
+            angular_velocity = body[BODY_ANGULAR_VELOCITY];
+            rotations[id] = turned_by(rotations[id], convert_real4(body[BODY_DELTA_ROTATION]));
+            angular_velocities[id].xyz = convert_real4(angular_velocity).xyz;
 #endif
-        if (!SLEEP)
-            continue;
-        float fastest = fastest_square(&s, id, velocity, angular_velocity);
-        s.rests[id] = velocity.w > 0.0f ? rest_after(s.rests[id], fastest, s.dt, s.sleep_speed, s.sleep_after) : 0.0f;
+            float fastest = fastest_square(&s, id, velocity, angular_velocity);
+            if (SLEEP)
+                s.rests[id] = velocity.w > 0.0f ? rest_after(s.rests[id], fastest, s.dt, s.sleep_speed, s.sleep_after) : 0.0f;
+        }
     }
 }

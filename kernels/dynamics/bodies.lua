@@ -2,7 +2,7 @@
 return {
   about = "bodies while a step is solved: gathered, accelerated, written back",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/float_vector.clh",
-    "dynamics/listed.clh", "dynamics/accelerate.clh" },
+    "dynamics/listed.clh", "dynamics/accelerate.clh", "dynamics/body_lines.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.ORIGIN, common.TURNS, common.GRAVITY, common.DRAG, common.FORCES, common.SLEEP,
     common.ROUNDED, common.GROUP(64), common.ROWS_AN_ITEM,
