@@ -39,8 +39,9 @@
 
 // ------------------------------------------------------------ constraints
 
-// A contact while it is solved, field by field: IN_ of the whole, BY_ of each point. The
-// fields of a constraint lie a block of constraints apart.
+// A contact while it is solved, in fields: IN_ of the whole, BY_ of each point. The fields of the whole,
+// of each point, and the speeds, are as many as four can load: IN_FOURS.
+#define IN_FOURS(n) (((n) + 3) / 4 * 4)
 #define IN_OWNER 0 // a uint, as the next two
 #define IN_OTHER 1
 #define IN_POINTS 2 // how many
@@ -49,7 +50,11 @@
 #define IN_OFFSET 7    // 3, from the owner's centre to the other's
 #define IN_FRICTION 10 // with friction
 #define IN_TANGENT 11  // 3, with friction
-#define FIELDS_OF(FRICTION) ((FRICTION) ? 14 : 10)
+#define IN_ROLLING_OF(FRICTION) ((FRICTION) ? 14 : 10) // with rolling: a length, which a push turns the bodies back
+#define ROLLING_FIELDS 4                               // with, and the impulse of that torque, of all substeps so far
+#define BELT_FIELDS 3 // where surfaces move: the other's surface velocity less the owner's, along the world's axes
+#define FIELDS_OF(FRICTION, ROLLING, CONVEYS) \
+    IN_FOURS(IN_ROLLING_OF(FRICTION) + ((ROLLING) ? ROLLING_FIELDS : 0) + ((CONVEYS) ? BELT_FIELDS : 0))
 
 #define BY_ANCHOR 0           // 3, the owner's
 #define BY_NORMAL_MASS 3      // effective, along the normal
@@ -59,19 +64,12 @@
 #define BY_NORMAL_IMPULSE 6   // accumulated in the last substep
 #define BY_MAX_IMPULSE 7      // greatest normal impulse of the step
 #define BY_TANGENT_IMPULSE 8  // with friction: impulse along each tangent, then its mass
-#define BY_FIELDS_OF(FRICTION, DIMS) (8 + ((FRICTION) ? 2 * ((DIMS)-1) : 0))
+#define BY_FIELDS_OF(FRICTION) (8 + ((FRICTION) ? 4 : 0))
 
 // The speed of each point along the normal when the step began is read once a step, so it
 // lies last.
-#define CONSTRAINT_OF(FRICTION, POINTS, DIMS) \
-    (FIELDS_OF(FRICTION) + (POINTS) * (BY_FIELDS_OF(FRICTION, DIMS) + 1))
-
-// Behind them, where bodies resist to roll: the length that a push turns them back with, and the
-// impulse of that torque, of all substeps so far.
-#define ROLLING_FIELDS 4
-
-// And where surfaces move: the other's surface velocity less the owner's, along the world's axes.
-#define BELT_FIELDS 3
+#define CONSTRAINT_OF(FRICTION, ROLLING, CONVEYS, POINTS) \
+    (FIELDS_OF(FRICTION, ROLLING, CONVEYS) + (POINTS) * BY_FIELDS_OF(FRICTION) + IN_FOURS(POINTS))
 
 // ------------------------------------------------------------ bodies
 

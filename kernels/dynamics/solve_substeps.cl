@@ -164,7 +164,7 @@ static inline void hold_part(colour_turn *t, const solver *s, uint colour)
 static inline void warm_held(const held_contact *h, __global float4 *bodies)
 {
     pair p = h->p;
-    points all = h->all;
+    contact_fields all = h->all;
     load_bodies(&p, bodies);
     load_warm_impulses(&p, bodies);
     store_warm_impulses(&p, &all, bodies);

@@ -227,9 +227,8 @@ static motion_layout lay_out(const duet_motion *m)
         .body = BODY_OF(turns),
     };
     l.record = l.head + l.points * l.point;
-    l.constraint = CONSTRAINT_OF(friction, l.points, dims) +
-                   (has(m, DUET_EFFECT_ROLLING_RESISTANCE) ? ROLLING_FIELDS : 0) +
-                   (has(m, DUET_EFFECT_SURFACE_VELOCITY) ? BELT_FIELDS : 0);
+    l.constraint = CONSTRAINT_OF(friction, has(m, DUET_EFFECT_ROLLING_RESISTANCE),
+                                 has(m, DUET_EFFECT_SURFACE_VELOCITY), l.points);
     return l;
 }
 
