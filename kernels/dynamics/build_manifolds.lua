@@ -17,7 +17,7 @@ return {
     common.ROUNDED,
     { "SENSORS", values = { 0, 1 }, default = 0, silent = true, about = "1: some bodies are sensors" },
     common.GROUND, common.CARRIED,
-    common.GROUP(64),
+    common.GROUP(128),
     { "PER_ITEM", values = { 1, 4, 8, 64, 256 }, default = function(limits) return limits.cpu and limits.batch // 4 or 4 end,
       about = "objects, pairs or contacts a work-item" },
   },
