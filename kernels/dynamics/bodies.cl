@@ -114,11 +114,11 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 
 // Seconds of rest. A body that trembles between others goes to sleep as well: a moment above the
 // speed takes back twice its time, and only haste takes all.
-static inline float rest_after(float rest, float fastest, float dt, float speed, float after)
+static inline float rest_after(const state *s, uint id, float fastest, float inverse_mass)
 {
-    float slow = speed * speed;
-    float rested = fastest < slow ? rest + dt : fastest < HASTE * slow ? rest - 2.0f * dt : 0.0f;
-    return fmax(0.0f, fmin(rested, fmax(after, dt)));
+    float slow = s->sleep_speed * s->sleep_speed, rest = inverse_mass > 0.0f ? s->rests[id] : 0.0f;
+    float rested = fastest < slow ? rest + s->dt : fastest < HASTE * slow ? rest - 2.0f * s->dt : 0.0f;
+    return inverse_mass > 0.0f ? fmax(0.0f, fmin(rested, fmax(s->sleep_after, s->dt))) : 0.0f;
 }
 
 // The square of the speed of the centre and, at most, of a corner about it.
@@ -138,6 +138,7 @@ static inline float fastest_square(const state *s, uint id, float4 velocity, flo
     (ROW_BIT(BODY_VELOCITY) | ROW_BIT(BODY_DELTA_POSITION) | \
      (ANGULAR_VELOCITY ? ROW_BIT(BODY_ANGULAR_VELOCITY) | ROW_BIT(BODY_DELTA_ROTATION) : 0u))
 
+// PoCL 3.1 runs work-items without a body, too, if a turn that has a barrier ends by `continue`.
 __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     const state s = {FINALIZE_BODIES_VALUES};
@@ -147,16 +148,15 @@ __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
     const uint n_here = N_AWAKE;
     for (uint turn = 0; turn < PER_ITEM; ++turn) {
         const uint k = k_of(turn), id = k < n_here ? AWAKE_AT(k) : NO_BODY;
+        const bool sleeps = SLEEP && id != NO_BODY && (s.asleep[id] & SLEEPS);
         float4 body[BODY];
         load_body(&lines, bodies, id, MOVED_ROWS, body);
-        const bool sleeps = SLEEP && id != NO_BODY && (s.asleep[id] & SLEEPS);
         if (sleeps) {
             velocities[id].xyz = (real)0;
 #if ANGULAR_VELOCITY
             angular_velocities[id] = (real4)(0);
 #endif
-        }
-        if (id != NO_BODY && !sleeps) {
+        } else if (id != NO_BODY) {
             float4 velocity = body[BODY_VELOCITY], angular_velocity = (float4)(0.0f);
             real4 centre = centres[id];
             centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
@@ -169,9 +169,8 @@ __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
             rotations[id] = turned_by(rotations[id], convert_real4(body[BODY_DELTA_ROTATION]));
             angular_velocities[id].xyz = convert_real4(angular_velocity).xyz;
 #endif
-            float fastest = fastest_square(&s, id, velocity, angular_velocity);
             if (SLEEP)
-                s.rests[id] = velocity.w > 0.0f ? rest_after(s.rests[id], fastest, s.dt, s.sleep_speed, s.sleep_after) : 0.0f;
+                s.rests[id] = rest_after(&s, id, fastest_square(&s, id, velocity, angular_velocity), velocity.w);
         }
     }
 }
