@@ -7,19 +7,15 @@
 //
 //   asked    [n_ids] place and colour
 //   gathered [n_ids] ids of owner and other, touches, and the record
-// The k-th contact of a body: those that it owns first.
-#define CONTACTS_OF(id) (starts[id + 1] - starts[id] + return_starts[id + 1] - return_starts[id])
-#define CONTACT_OF(id, k)                                              \
-    (k < starts[id + 1] - starts[id] ? starts[id] + k                  \
-                                     : returns[return_starts[id] + k - (starts[id + 1] - starts[id])])
 
 __kernel void read_asked(READ_ASKED_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
     for (uint j = first; j < last; ++j) {
-        uint id = asked[j].x, row = NO_PLACE;
-        for (uint k = 0; k < CONTACTS_OF(id); ++k)
-            row = colours[CONTACT_OF(id, k)] == asked[j].y ? CONTACT_OF(id, k) : row;
+        const body_row all = row_of(starts, return_starts, returns, asked[j].x);
+        uint row = NO_PLACE;
+        for (uint k = 0; k < all.n; ++k)
+            row = colours[contact_of(&all, k)] == asked[j].y ? contact_of(&all, k) : row;
         __global uint *to = gathered + (size_t)j * (ASKED_RECORD + row_words);
         to[0] = row == NO_PLACE ? NO_PLACE : places[links[row].x].x;
         to[1] = row == NO_PLACE ? NO_PLACE : places[links[row].y].x;
@@ -35,10 +31,11 @@ __kernel void take_asked(TAKE_ASKED_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
     for (uint j = first; j < last; ++j) {
-        uint id = asked[j].x, row = NO_PLACE;
+        const body_row all = row_of(starts, return_starts, returns, asked[j].x);
+        uint row = NO_PLACE;
         __global const uint *from = gathered + (size_t)j * (ASKED_RECORD + row_words);
-        for (uint k = 0; k < CONTACTS_OF(id); ++k) {
-            uint i = CONTACT_OF(id, k);
+        for (uint k = 0; k < all.n; ++k) {
+            uint i = contact_of(&all, k);
             if (places[links[i].x].x == from[0] && places[links[i].y].x == from[1]) {
                 row = i;
             } else if (colours[i] == asked[j].y) {

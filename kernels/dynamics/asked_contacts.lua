@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts that a domain asks their homes for",
-  uses = { "dynamics/records.h", "dynamics/border.h" },
+  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/body_row.clh" },
   params = { common.GROUP(64), common.ROWS_AN_ITEM },
   args = {
     read_asked = [[

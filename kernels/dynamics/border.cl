@@ -69,10 +69,9 @@ __kernel void choose_inner(CHOOSE_INNER_ARGS)
         colour_choice choice = {0, NONE, 0};
         if (choices[id] == NONE)
             continue;
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            add_contact(i, links, colours, places, &choice);
-        for (uint k = return_starts[id]; k < return_starts[id + 1]; ++k)
-            add_contact(returns[k], links, colours, places, &choice);
+        const body_row row = row_of(starts, return_starts, returns, id);
+        for (uint k = 0; k < row.n; ++k)
+            add_contact(contact_of(&row, k), links, colours, places, &choice);
         used[id] = choice.used;
         choices[id] = choice.best;
     }
@@ -132,11 +131,10 @@ __kernel void used_colours(USED_COLOURS_ARGS)
 {
     uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
     for (uint k = first; k < last; ++k) {
-        uint id = row_ids[first_id + k], used = 0;
-        for (uint i = starts[id]; i < starts[id + 1]; ++i)
-            used |= bit_of(colours[i]);
-        for (uint i = return_starts[id]; i < return_starts[id + 1]; ++i)
-            used |= bit_of(colours[returns[i]]);
+        const body_row row = row_of(starts, return_starts, returns, row_ids[first_id + k]);
+        uint used = 0;
+        for (uint i = 0; i < row.n; ++i)
+            used |= bit_of(colours[contact_of(&row, i)]);
         gathered[k] = used;
     }
 }

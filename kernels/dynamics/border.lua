@@ -1,7 +1,8 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "contacts near the borders of a domain that is one of many",
-  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/place_kind.clh", "dynamics/colour_choice.clh" },
+  uses = { "dynamics/records.h", "dynamics/border.h", "dynamics/place_kind.clh", "dynamics/colour_choice.clh",
+    "dynamics/body_row.clh" },
   params = { common.SLEEP, common.GROUP(64), common.ROWS_AN_ITEM },
   args = {
     mark_border = [[
