@@ -111,18 +111,28 @@ local function count_covered(box, taken)
   return n
 end
 
--- Beside, above or below the point, wherever that covers least.
+-- Where words that wide may stand: beside, above and below the point, then the same further off.
+local function places_of(p, width)
+  local places = {}
+  for _, off in ipairs { p.radius + 4, p.radius + 14 } do
+    for _, at in ipairs { { p.x + off, p.y + 5 }, { p.x - width / 2, p.y - off },
+      { p.x - width / 2, p.y + off + words_px }, { p.x - off - width, p.y + 5 } } do
+      places[#places + 1] = { at[1] - 4, at[2] - words_px, at[1] + width + 4, at[2] }
+    end
+  end
+  return places
+end
+
+-- At the first place that covers least.
 local function draw_words(o, p, taken)
   local words = flies(o) and ("1/%.4g"):format(p.row.substeps / p.row.dt)
     or ("%.0f%s"):format(p.row.substeps, p.row.finite and "" or " lost")
-  local width, off, best, fewest = #words * letter, p.radius + 4, nil, math.huge
-  for _, at in ipairs { { p.x + off, p.y + 5 }, { p.x - width / 2, p.y - off }, { p.x - width / 2, p.y + off + words_px },
-    { p.x - off - width, p.y + 5 } } do
-    local box = { at[1], at[2] - words_px, at[1] + width, at[2] }
+  local best, fewest = nil, math.huge
+  for _, box in ipairs(places_of(p, #words * letter)) do
     local n = count_covered(box, taken)
     if n < fewest then best, fewest = box, n end
   end
-  write(best[1], best[4], words_px, ink, "%s", words)
+  write(best[1] + 4, best[4], words_px, ink, "%s", words)
   taken[#taken + 1] = best
 end
 
