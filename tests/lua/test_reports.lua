@@ -38,6 +38,15 @@ facts.holds("a tuning tells one number of launches", function()
   assert(not says:find("326", 1, true), says)
 end)
 
+facts.holds("a workload is told by what there is of it", function()
+  local report = part "read.lua"
+  facts.equal(report.workload_words { scene = "paper", objects = 100000 }, "paper, 100 000")
+  facts.equal(report.workload_words { scene = "", objects = 9, moving = true }, "-, 9, moving")
+  local task = { scene = "gravity", objects = 0, items = 2000, query = "task gravity" }
+  facts.equal(report.workload_words(task), "gravity, 2 000, task gravity")
+  facts.equal(report.workload_words { scene = "paper", objects = 9, items = 50, query = "rays" }, "paper, 9: 50 rays")
+end)
+
 facts.holds("one step that takes as long as many is told from the others", function()
   local o = { stages = { { name = "grid", ms = 1 } }, effects = { "motion" }, ms_a_step = 2, slowest_ms = 10, steps = 9,
     timed_steps = 9, hash = "0" }
