@@ -76,8 +76,7 @@ static const command_line line = {
     .operands = "[SCENE|FILE]",
     .instead = "task",
     .about = "Finds all pairs of boxes that collide, on two devices, and says where the time\n"
-             "went. SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers\n"
-             "as text; - is stdin.",
+             "went. With --steps moves the bodies of a scene.",
     .options = options,
     .rules = rules,
     .refuse = refuse,
