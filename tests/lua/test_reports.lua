@@ -30,12 +30,14 @@ facts.holds("steps that waited are told if other programs had cores", function()
 end)
 
 facts.holds("a tuning tells one number of launches", function()
-  local says = told("tune.lua", { workloads = { { workload = "paper, 9", plan = "A alone", share = 1, step_ms = 1,
-    gain = 0, gain_low = 0, gain_high = 0, whole_ms = 0, verdict = "", seconds = 1, level = "certified", unused = "",
-    launches = 33, disturbed = 305, watched = 326, single_joules = 0 } } })
+  local row = { workload = "paper, 9", share = 1, step_ms = 1, gain = 0, gain_low = 0, gain_high = 0, whole_ms = 0,
+    verdict = "", seconds = 1, level = "certified", unused = "", launches = 33, disturbed = 305, watched = 326 }
+  local says = told("tune.lua", { workloads = { row } })
   assert(says:find("paper, 9, level certified, 33 launches", 1, true), says)
   assert(says:find("  94 % of the launches waited for a core", 1, true), says)
   assert(not says:find("326", 1, true), says)
+  row.disturbed = 1
+  assert(not told("tune.lua", { workloads = { row } }):find("waited", 1, true))
 end)
 
 facts.holds("a workload is told by what there is of it", function()
