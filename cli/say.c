@@ -133,7 +133,9 @@ bool say_finish(void)
 
 // ---------------------------------------------------------------- how far it is
 
-enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200 };
+// The time that is left is told once one of so many parts is done: the first step compiles, and
+// says nothing of the others.
+enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200, TOLD_OF = 200 };
 
 static bool shows_on_terminal;
 static int depth;             // counts works that are one a part of another
@@ -149,6 +151,8 @@ static int add_part(const progress *p, uint64_t done, double seconds, char *to, 
 
 static int add_count(const progress *p, uint64_t done, char *to, size_t size)
 {
+    if (done == 0 && p->total == 0)
+        return snprintf(to, size, "%s", p->what);
     int n = snprintf(to, size, "%s %" PRIu64, p->what, done);
     if (p->total > 0)
         n += snprintf(to + n, size - (size_t)n, " of %" PRIu64, p->total);
@@ -162,7 +166,7 @@ static void write_line(const progress *p, uint64_t done, bool rate, char line[LI
                        : add_count(p, done, line, LINE_MOST);
     if (rate && !p->follows && done > 0 && seconds > 0)
         n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.3g a second", (double)done / seconds);
-    if (p->total > done && done > 0)
+    if (p->total > done && done > 0 && done >= p->total / TOLD_OF)
         n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.0f s left",
                       seconds * (double)(p->total - done) / (double)done);
     if (*p->note)
