@@ -140,6 +140,7 @@ enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200, TOLD_OF = 200 };
 static bool shows_on_terminal;
 static int depth;             // counts works that are one a part of another
 static char whole[LINE_MOST]; // how far the outermost is, without its rate
+static bool drawn;            // a line of progress stands on the terminal
 
 // The library counts in units of its own, so that a part or seconds are shown.
 static int add_part(const progress *p, uint64_t done, double seconds, char *to, size_t size)
@@ -198,6 +199,7 @@ void progress_line(const char *line)
     const int width = say_terminal_width(STDERR_FILENO);
     fprintf(stderr, "\r\033[K%.*s", (width > 0 ? width : 80) - 1, line);
     fflush(stderr);
+    drawn = true;
 }
 
 static void show_line(const char *before, const char *line)
@@ -235,14 +237,19 @@ void progress_follow(progress *p)
 
 void progress_hide(progress *p)
 {
-    if (p->on_terminal && p->shown_ns > 0)
+    if (p->on_terminal && drawn)
         fputs("\r\033[K", stderr);
+    drawn = false;
     p->shown_ns = 0;
 }
 
+// The work that this was a part of goes on, and is told until it tells itself.
 void progress_end(progress *p)
 {
+    bool was_shown = p->shown_ns > 0;
     progress_hide(p);
+    if (p->is_part && was_shown)
+        progress_line(whole);
     if (p->follows)
         budget_listen(NULL, NULL);
     --depth;

@@ -40,6 +40,17 @@ facts.holds("a tuning tells one number of launches", function()
   assert(not told("tune.lua", { workloads = { row } }):find("waited", 1, true))
 end)
 
+facts.holds("times of a few boxes have digits", function()
+  local o = { scene = "s", kind = "boxes", objects = 3, dims = 3, cells = { 1, 1, 1 }, cell = 1, grid_levels = 1,
+    a = "x:0", b = "x:0", a_name = "x", b_name = "x", share = 0, variant_a = "simd", variant_b = "simd",
+    profile = "default", tuning = "duet tune s", candidates = 1, pairs = 1, level = "certified", hash = "0",
+    undecided = 0, bad = 0, bytes_a = 0, bytes_b = 1, total_ms = 0.02, least_ms = 0.02, most_ms = 0.02, ["repeat"] = 5,
+    stages = { { name = "hash", device = "B", ms = 0.0004 } } }
+  assert(told("run.lua", o):find("0.00040", 1, true), told("run.lua", o))
+  o.stages[1].ms = 4
+  assert(told("run.lua", o):find("4.000", 1, true))
+end)
+
 facts.holds("a workload is told by what there is of it", function()
   local report = part "read.lua"
   facts.equal(report.workload_words { scene = "paper", objects = 100000 }, "paper, 100 000")
