@@ -73,7 +73,8 @@ function report.cut(s, most)
   return s:sub(1, most)
 end
 
--- What a profile is for: "paper, 100 000", "falling, 2 000, moving", "gravity, 1 000, task gravity", "paper, 9: 50 rays".
+-- A profile is for a scene and its size, for instance "paper, 100 000", "falling, 2 000, moving", "gravity, 1 000, task
+-- gravity" or "paper, 9: 50 rays".
 function report.workload_words(p)
   local scene = report.cut(p.scene ~= "" and p.scene or "-", 60)
   if not p.query then return ("%s, %s%s"):format(scene, report.count(p.objects), p.moving and ", moving" or "") end

@@ -53,7 +53,7 @@ end
 -- A device that had nothing to do has no columns.
 local function tell_stages(o)
   local rows, all = gather_stages(o.stages)
-  local digits = math.max(all.A, all.B) < 0.1 and "%.5f" or "%.3f" -- of a few boxes all would be 0.000
+  local digits = math.max(all.A, all.B) < 0.1 and "%.5f" or "%.3f" -- a few boxes take less than 0.001 ms
   local devices = {}
   for _, device in ipairs { "A", "B" } do
     if all[device] > 0 then devices[#devices + 1] = device end

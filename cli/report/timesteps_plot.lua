@@ -111,7 +111,7 @@ local function count_covered(box, taken)
   return n
 end
 
--- Where words that wide may stand: beside, above and below the point, then the same further off.
+-- Words that wide may stand beside, above or below the point, or further off.
 local function places_of(p, width)
   local places = {}
   for _, off in ipairs { p.radius + 4, p.radius + 14 } do
