@@ -16,7 +16,7 @@
     X(profiles, "manage what was measured, and what applications load") \
     X(query, "test pairs of boxes from a file: colliding or separated") \
     X(report, "write one HTML page with all that was measured") \
-    X(run, "find all pairs of a scene, and show where the time went") \
+    X(run, "find all pairs of a scene, move it, or run a kernel of your own") \
     X(scenes, "list the scenes that come with Duet") \
     X(source, "print the exact text of a kernel, or its parameters") \
     X(tune, "find how two devices share a scene's work best, and store it") \

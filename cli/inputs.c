@@ -102,7 +102,11 @@ task *inputs_load_task(const char *path, const scene_options *options, duet_erro
 {
     scene_settings settings;
     inputs_make_settings(&settings, options);
-    return task_load(path, settings.list, settings.n, err);
+    progress p = progress_begin("loading the task and its reference", 0);
+    progress_show(&p, 0);
+    task *t = task_load(path, settings.list, settings.n, err);
+    progress_end(&p);
+    return t;
 }
 
 duet_scene *inputs_load_scene(const char *path, const scene_options *options, duet_error *err)

@@ -40,7 +40,7 @@ typedef struct plan_options {
         OPTION_COUNT("seed", member.seed, "S", "seed of the scene's random numbers", 0,      \
                      UINT32_MAX),                                                            \
         OPTION_SETTINGS("set", member.settings, "K=V",                                       \
-                        "any other parameter of the scene; may be repeated")
+                        "another parameter, as 'duet scenes SCENE' shows; may be repeated")
 
 #define PAIR_OPTION_ROW(member)        \
     OPTION_TEXT("pair", member, "A,B", \

@@ -33,12 +33,19 @@ static void add_row(cJSON *rows, const char *name, const char *value, const char
     json_add(json_add_row(rows), STRING("flags", flags), STRING("help", help));
 }
 
+static const char what_is_read[] =
+    "\nSCENE is a name of 'duet scenes', or a .lua file that makes boxes.\n"
+    "FILE has a box a row, as .npy or text: 6 numbers are its least and its greatest\n"
+    "corner, 10 its centre, half extents and quaternion xyzw; in 2D 4, or 5 with an\n"
+    "angle. A dash, -, is stdin.\n";
+
 static int print_help(const command_line *line)
 {
     duet_error err = {0};
     cJSON *rows = cJSON_CreateArray();
-    printf("duet %s%s%s [options]\n%s\n\n", line->name, line->operands ? " " : "",
-           line->operands ? line->operands : "", line->about);
+    const char *operands = line->operands ? line->operands : "";
+    printf("duet %s%s%s [options]\n%s\n", line->name, *operands ? " " : "", operands, line->about);
+    printf("%s\n", strstr(operands, "SCENE|FILE") ? what_is_read : "");
     for (const option *o = line->options; o->name; ++o)
         add_row(rows, o->name, o->value, o->help);
     add_row(rows, "help", NULL, "this text");

@@ -133,11 +133,14 @@ bool say_finish(void)
 
 // ---------------------------------------------------------------- how far it is
 
-enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200 };
+// The time that is left is told once one of so many parts is done: the first step compiles, and
+// says nothing of the others.
+enum { LEAST_NS_BETWEEN = 100000000, LINE_MOST = 200, TOLD_OF = 200 };
 
 static bool shows_on_terminal;
 static int depth;             // counts works that are one a part of another
 static char whole[LINE_MOST]; // how far the outermost is, without its rate
+static bool drawn;            // a line of progress stands on the terminal
 
 // The library counts in units of its own, so that a part or seconds are shown.
 static int add_part(const progress *p, uint64_t done, double seconds, char *to, size_t size)
@@ -149,6 +152,8 @@ static int add_part(const progress *p, uint64_t done, double seconds, char *to, 
 
 static int add_count(const progress *p, uint64_t done, char *to, size_t size)
 {
+    if (done == 0 && p->total == 0)
+        return snprintf(to, size, "%s", p->what);
     int n = snprintf(to, size, "%s %" PRIu64, p->what, done);
     if (p->total > 0)
         n += snprintf(to + n, size - (size_t)n, " of %" PRIu64, p->total);
@@ -162,7 +167,7 @@ static void write_line(const progress *p, uint64_t done, bool rate, char line[LI
                        : add_count(p, done, line, LINE_MOST);
     if (rate && !p->follows && done > 0 && seconds > 0)
         n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.3g a second", (double)done / seconds);
-    if (p->total > done && done > 0)
+    if (p->total > done && done > 0 && done >= p->total / TOLD_OF)
         n += snprintf(line + n, LINE_MOST - (size_t)n, ", %.0f s left",
                       seconds * (double)(p->total - done) / (double)done);
     if (*p->note)
@@ -194,6 +199,7 @@ void progress_line(const char *line)
     const int width = say_terminal_width(STDERR_FILENO);
     fprintf(stderr, "\r\033[K%.*s", (width > 0 ? width : 80) - 1, line);
     fflush(stderr);
+    drawn = true;
 }
 
 static void show_line(const char *before, const char *line)
@@ -231,14 +237,19 @@ void progress_follow(progress *p)
 
 void progress_hide(progress *p)
 {
-    if (p->on_terminal && p->shown_ns > 0)
+    if (p->on_terminal && drawn)
         fputs("\r\033[K", stderr);
+    drawn = false;
     p->shown_ns = 0;
 }
 
+// The work that this was a part of goes on, and is told until it tells itself.
 void progress_end(progress *p)
 {
+    bool was_shown = p->shown_ns > 0;
     progress_hide(p);
+    if (p->is_part && was_shown)
+        progress_line(whole);
     if (p->follows)
         budget_listen(NULL, NULL);
     --depth;

@@ -79,7 +79,8 @@ typedef struct progress {
 void say_on_terminal(void);
 
 progress progress_begin(const char *what, uint64_t total);
-// Shows "what done of total, rate, time left", at most ten times a second.
+// Shows "what done of total, rate, time left", or "what" at first if the total is not known; at
+// most ten times a second.
 void progress_show(progress *p, uint64_t done);
 void progress_hide(progress *p); // before something else is printed
 void progress_end(progress *p);  // clears the line

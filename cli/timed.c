@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cli/timed.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "cli/interrupt.h"
 #include "cli/say.h"
@@ -110,11 +111,12 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
     t->steps = calloc((size_t)repeat + STAGED_MOST, sizeof *t->steps);
     if (!t->steps)
         return error_set(err, DUET_STATUS_NO_MEMORY, "the times of %u steps: no memory", repeat);
+    progress p = progress_begin("step", repeat);
     bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
     t->hash = ok ? duet_result_get_hash(&t->last) : 0;
     bool untimed = false;
     core_watch *cores = core_watch_open();
-    progress p = progress_begin("step", repeat);
+    p.begun_ns = clock_steady_ns(); // the first step compiles, and does not count
     while (ok && t->n < repeat && !interrupt_asked()) {
         ok = step(t, &t->n, world, scene, input, cores, err);
         untimed |= ok && !t->last.timed;

@@ -84,8 +84,9 @@ static bool list_folder(gen *g, const char *inner, duet_error *err)
 static bool list_dir(gen *g, duet_error *err)
 {
     return list_folder(g, "", err) &&
-           (g->n_kernels > 0 || error_set(err, DUET_STATUS_NOT_FOUND,
-                                          "kernel folder %s: no card (*.lua) in it", g->dir));
+           (g->n_kernels > 0 ||
+            error_set(err, DUET_STATUS_NOT_FOUND,
+                      "kernel folder %s: no card (*.lua) in it; " GEN_WITHOUT_DIR, g->dir));
 }
 
 static int compare_names(const void *a, const void *b)

@@ -191,8 +191,13 @@ kernel *kernel_find(gen *g, const char *name, duet_error *err)
     text all = {0};
     for (uint32_t i = 0; i < g->n_kernels; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s': there are %s", name,
-              text_chars(&all));
+    if (g->dir)
+        error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                  "no kernel '%s' in %s: there are %s; " GEN_WITHOUT_DIR, name, g->dir,
+                  text_chars(&all));
+    else
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s': there are %s", name,
+                  text_chars(&all));
     text_free(&all);
     return NULL;
 }

@@ -38,6 +38,9 @@ typedef struct kernel {
     uint32_t n_made; // so far; the latest replaces the oldest
 } kernel;
 
+// The end of each message about a folder of kernels: who sets the variable forgets it.
+#define GEN_WITHOUT_DIR "without DUET_KERNEL_DIR the built-in kernels are read"
+
 struct gen {
     char *dir; // NULL: what is carried
     kernel *kernels;

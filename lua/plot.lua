@@ -130,6 +130,25 @@ local function add_map_style(lines, chart)
   if (chart.log or ""):find "z" then add(lines, "set logscale cb") end
 end
 
+-- A logarithmic axis of less than two powers of ten is read by 1, 2 and 5 of each.
+local function add_log_tics(lines, chart, axis)
+  local least, most = math.huge, 0
+  for _, series in ipairs(chart.series) do
+    for _, p in ipairs(series.points) do
+      for i = axis == "x" and 1 or 2, axis == "x" and 1 or #p do
+        if p[i] > 0 then least, most = math.min(least, p[i]), math.max(most, p[i]) end
+      end
+    end
+  end
+  if most >= 100 * least then return end
+  local tics, power = {}, 10.0 ^ math.floor(math.log(least, 10))
+  for _ = 0, 3 do
+    for _, times in ipairs { 1, 2, 5 } do tics[#tics + 1] = ("'%.4g' %.9g"):format(times * power, times * power) end
+    power = 10 * power
+  end
+  add(lines, "set %stics (%s)", axis, table.concat(tics, ", "))
+end
+
 local function add_style(lines, chart)
   if chart.kind == "map" then return add_map_style(lines, chart) end
   add(lines, "set title %s font ',14'", quoted(chart.title))
@@ -138,7 +157,10 @@ local function add_style(lines, chart)
   add(lines, "set border 3 linecolor rgb '#888888'\nset tics nomirror textcolor rgb '#333333'")
   add(lines, "set grid ytics linecolor rgb '#dddddd' linetype 1")
   add(lines, "set key outside right top vertical Left reverse samplen 1 spacing 1.3")
-  for axis in (chart.log or ""):gmatch "[xy]" do add(lines, "set logscale %s", axis) end
+  for axis in (chart.log or ""):gmatch "[xy]" do
+    add(lines, "set logscale %s", axis)
+    if chart.kind == "lines" or axis == "y" then add_log_tics(lines, chart, axis) end
+  end
   if chart.kind ~= "lines" and not (chart.log or ""):find "y" then add(lines, "set yrange [*<0:0<*]") end
   for axis, range in pairs { x = chart.xrange, y = chart.yrange } do
     add(lines, "set %srange [%s:%s]", axis, range[1] or "*", range[2] or "*")

@@ -133,10 +133,13 @@ return function(def)
     end
     y = y + line.rows * (bar + gap) + 8
   end
+  local tall = legend(add, def, names, colour_of, bottom + 44) + 8
   if def.total_ms then
     add('<line class="e" x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f"/>', at(def.total_ms), top - 6, at(def.total_ms), bottom)
+    add('<line class="e" x1="20" y1="%d" x2="34" y2="%d"/>', tall - 4, tall - 4)
+    add('<text class="n" x="40" y="%d">the host has the pairs: %.3f ms</text>', tall, def.total_ms)
+    tall = tall + 16
   end
-  local tall = legend(add, def, names, colour_of, bottom + 44) + 8
   return ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 %d %d" width="%d" height="%d">\n<title>%s</title>\n%s%s\n</svg>\n'):format(
     width, tall, width, tall, words(def.title), style, table.concat(pieces, "\n"))
 end

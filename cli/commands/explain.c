@@ -41,7 +41,7 @@ static const option_rule rules[] = {
 
 static const command_line line = {
     .name = "explain",
-    .operands = "[SCENE]",
+    .operands = "[SCENE|FILE]",
     .instead = "task",
     .about = "Shows what a scene calls for. A moving scene has effects: what calls for each,\n"
              "its kernels and its bytes an object. A still scene has kernels that find its\n"

@@ -76,8 +76,7 @@ static const command_line line = {
     .operands = "[SCENE|FILE]",
     .instead = "task",
     .about = "Finds all pairs of boxes that collide, on two devices, and says where the time\n"
-             "went. SCENE is a name of 'duet scenes' or a Lua file; FILE is .npy, or numbers\n"
-             "as text; - is stdin.",
+             "went. With --steps moves the bodies of a scene.",
     .options = options,
     .rules = rules,
     .refuse = refuse,
@@ -90,7 +89,7 @@ static bool run(void *given, char **operands, duet_error *err)
         return run_task(args, err);
     duet_device_pair *pair = inputs_open_pair(args->pair, err);
     duet_scene *scene = pair ? inputs_load_scene(operands[0], &args->scene, err) : NULL;
-    bool ok = scene && (args->steps > 0 ? run_motion(args, scene, pair, err)
+    bool ok = scene && (args->steps > 0 ? run_motion(args, operands[0], scene, pair, err)
                                         : run_still(args, operands[0], scene, pair, err));
     duet_scene_destroy(scene);
     duet_device_pair_destroy(pair);

@@ -35,8 +35,8 @@ bool run_still(const arguments *args, const char *path, duet_scene *scene, duet_
 
 // Advances the scene and tells what was done: energy and pairs as it goes, then
 // the time of each effect. Ctrl-C ends it with what was done until then.
-bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
-                duet_error *err);
+bool run_motion(const arguments *args, const char *path, const duet_scene *scene,
+                duet_device_pair *pair, duet_error *err);
 
 // Runs a task by the plan that is known or given, checks each launch, and tells where the time
 // goes.

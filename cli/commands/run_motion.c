@@ -2,6 +2,7 @@
 #include "cli/commands/run.h"
 
 #include "base/error.h"
+#include "cli/command_text.h"
 #include "cli/draw/snapshot.h"
 #include "cli/frames.h"
 #include "cli/interrupt.h"
@@ -144,10 +145,21 @@ static bool run_steps(moved *r, duet_error *err)
     return ok && (r->args->json || interrupt_check(err));
 }
 
-bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair *pair,
-                duet_error *err)
+// A run from the fall to the rest takes long to tune by; 60 steps are a second of most scenes.
+static void write_tuning(text *tuning, const arguments *args, const char *path,
+                         const duet_device_pair *pair)
+{
+    text_add(tuning, "duet tune");
+    command_text_scene(tuning, path, &args->scene);
+    command_text_pair(tuning, pair);
+    command_text_option(tuning, "steps", "60");
+}
+
+bool run_motion(const arguments *args, const char *path, const duet_scene *scene,
+                duet_device_pair *pair, duet_error *err)
 {
     moved r = {.args = args, .scene = scene};
+    write_tuning(&r.report.tuning, args, path, pair);
     bool ok = open_motion(&r, pair, err) && resume(&r, err) && open_replay(&r, err) &&
               (!args->record || duet_motion_record(r.motion, err));
     ok = ok && (args->json || motion_report_begin(&r.report, err)) && run_steps(&r, err);
@@ -155,5 +167,6 @@ bool run_motion(const arguments *args, const duet_scene *scene, duet_device_pair
     snapshot_end(&r.look);
     duet_replay_destroy(r.replay);
     duet_motion_destroy(r.motion);
+    text_free(&r.report.tuning);
     return ok;
 }

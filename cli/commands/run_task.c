@@ -87,12 +87,31 @@ static bool report(const arguments *args, const ran *r, duet_error *err)
     return rendering_tell(o, args->json, "cli/report/run_task.lua", err);
 }
 
+// Compiles, and launches the kernel between guards, which may take seconds.
+static task_launcher *open_launcher(task *t, duet_device_pair *pair, duet_error *err)
+{
+    progress shown = progress_begin("checking the kernel", 0);
+    progress_show(&shown, 0);
+    task_launcher *l = task_launcher_open(t, pair, err);
+    progress_end(&shown);
+    return l;
+}
+
+static bool time_launches(ran *r, task_launcher *l, uint32_t repeat, duet_error *err)
+{
+    progress shown = progress_begin("launching the kernel", 0);
+    progress_show(&shown, 0);
+    bool ok = timed_task_run(&r->times, l, r->pair, &r->plan, repeat, err);
+    progress_end(&shown);
+    return ok;
+}
+
 static bool run_on(const arguments *args, task *t, duet_device_pair *pair, duet_error *err)
 {
     ran r = {.task = t, .pair = pair};
-    task_launcher *l = task_launcher_open(t, pair, err);
+    task_launcher *l = open_launcher(t, pair, err);
     bool ok = l && choose_plan(args, &r, err) &&
-              timed_task_run(&r.times, l, pair, &r.plan, (uint32_t)args->repeat, err) &&
+              time_launches(&r, l, (uint32_t)args->repeat, err) &&
               time_lines_write(args->timeline, t->name, pair, &r.plan, timed_median(&r.times), err);
     if (ok && (args->json || !options_is_stdout(args->timeline)))
         ok = report(args, &r, err);

@@ -26,7 +26,8 @@ static const option options[] = {
     OPTION_COUNT("seed", scene.seed, "S",
                  "seed of the scene's random numbers; with --replay of its draws (0)", 0,
                  UINT32_MAX),
-    OPTION_SETTINGS("set", scene.settings, "K=V", "any other parameter of the scene"),
+    OPTION_SETTINGS("set", scene.settings, "K=V",
+                    "another parameter, as 'duet scenes SCENE' shows"),
     PAIR_OPTION_ROW(pair),
     OPTION_TEXT("strategy", strategy, "S",
                 "how the share is searched, by the last three with the kernels: balance (default), "

@@ -97,7 +97,8 @@ static void write_cells(const sketch *s, char *words, size_t size)
     int n = snprintf(words, size, "cells of edge %.4g%s", (double)g->edge,
                      g->kind == GRID_HASHED ? ", in a hash table" : "");
     if (g->n_levels > 1)
-        n += snprintf(words + n, size - (size_t)n, " and %u coarser levels", g->n_levels - 1);
+        n += snprintf(words + n, size - (size_t)n, " and %u coarser level%s", g->n_levels - 1,
+                      g->n_levels > 2 ? "s" : "");
     if (info->cell > 0 && g->edge > info->cell * 1.01F)
         snprintf(words + n, size - (size_t)n,
                  "; the %.4g asked for is too small for the largest box", (double)info->cell);

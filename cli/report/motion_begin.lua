@@ -1,12 +1,13 @@
 -- SPDX-License-Identifier: MIT
--- `duet run --steps` tells this before the first step: the scene, its effects, the devices, and where the plan is from.
+-- `duet run --steps` tells this before the first step: the scene, its effects, the devices, where the plan is from, and
+-- `tuning`, the command that measures one.
 local report = ...
 local line, things = report.line, report.things
 
 local function source_words(o)
   if o.profile == "given" then return "as given" end
   if o.profile == "stale" then return "the default, since the kernels changed after it was measured" end
-  if o.profile == "default" then return "the default; 'duet tune --steps' measures a better one" end
+  if o.profile == "default" then return "the default" end
   return ("from the profile, %s: %s"):format(o.profile,
     o.step_ms > 0 and ("%.3f ms a step"):format(o.step_ms) or "that of another number of bodies")
 end
@@ -18,6 +19,10 @@ return function(o)
   report.tell_devices(o)
   report.tell_grids(o)
   -- A step without pairs, or whose pairs B finds, leaves A idle.
-  line("plan: %s%s\n", source_words(o), o.share == 0 and o.a ~= o.b and "; A has nothing to do" or "")
+  local measured = o.profile ~= "default" and o.profile ~= "stale"
+  line("plan: %s%s%s", source_words(o), o.share == 0 and o.a ~= o.b and "; A has nothing to do" or "",
+    measured and "" or "; to measure a better one:")
+  if not measured then report.command(o.tuning) end
+  line("")
   return report.told
 end

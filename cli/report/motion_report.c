@@ -75,7 +75,8 @@ bool motion_report_begin(const motion_report *r, duet_error *err)
     const duet_motion_def *def = duet_motion_get_def(r->motion);
     cJSON *o = describe(r, r->scene->n);
     json_add(o, NUMBER("dims", r->scene->dims), NUMBER("substeps", def->substeps),
-             NUMBER("dt", def->dt), NUMBER("step_ms", r->profile.step_ms));
+             NUMBER("dt", def->dt), NUMBER("step_ms", r->profile.step_ms),
+             STRING("tuning", text_chars(&r->tuning)));
     bool ok = rendering_tell(o, false, "cli/report/motion_begin.lua", err);
     printf("%9s %9s %12s %12s %12s %12s %12s %9s\n", "step", "time", "kinetic", "potential",
            "energy", "pairs", "contacts", "ms");

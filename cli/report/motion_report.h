@@ -4,6 +4,7 @@
 #ifndef CLI_MOTION_REPORT_H
 #define CLI_MOTION_REPORT_H
 
+#include "base/text.h"
 #include "runtime/duet.h"
 
 #include <stdbool.h>
@@ -16,6 +17,7 @@ typedef struct motion_report {
     duet_motion *motion;
     bool plan_given;         // on the command line
     duet_profile profile;    // gave the plan, unless it was given
+    text tuning;             // the command that measures a plan for this scene
     duet_motion_result last; // the last step
     uint64_t done;           // steps
     double total_ms;

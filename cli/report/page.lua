@@ -25,7 +25,7 @@ p{margin:.4em 0;color:var(--dim);overflow-wrap:anywhere}
 .found{font-size:1.05rem;color:var(--ink);margin:.6em 0;padding-left:1.2em}.found li{margin:.2em 0}
 h3{font-size:1rem;font-weight:600;margin:1.2em 0 .3em;overflow-wrap:anywhere}
 table{border-collapse:collapse;font-size:.85rem}
-th,td{padding:.25em .6em;border-bottom:1px solid var(--line);text-align:left;overflow-wrap:break-word}
+th,td{padding:.25em .5em;border-bottom:1px solid var(--line);text-align:left;overflow-wrap:break-word}
 @media(max-width:1080px){th{display:none}tr{display:grid;grid-template-columns:max-content 1fr;
   border-bottom:1px solid var(--line);padding:.4em 0}td{display:contents}
   td:before{content:attr(data-head);color:var(--dim);padding-right:1em;text-align:left}}
@@ -129,8 +129,8 @@ end
 -- ---------------------------------------------------------------- what was found
 
 local function gain_words(p)
-  return ("%s, %s objects: a step takes %.3g ms, %.0f %% faster than on the better device alone; A has %.0f %% of the work")
-    :format(cut(p.scene ~= "" and p.scene or "a scene", 60), count(p.objects), p.ms, 100 * p.gain, 100 * p.share)
+  return ("%s: a step takes %.3g ms, %.0f %% faster than on the better device alone; A has %.0f %% of the work"):format(
+    report.workload_words(p), p.ms, 100 * p.gain, 100 * p.share)
 end
 
 local function found_in_store(found, profiles)

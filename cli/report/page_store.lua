@@ -9,8 +9,7 @@ local draw_chart = report.draw_chart
 
 local function title_of(p)
   local plan = is_of_one(p) and p.variant_b or ("%s | %s, %s"):format(p.variant_a, p.variant_b, p.mode)
-  return ("%s, %s objects: %s, level %s"):format(cut(p.scene ~= "" and p.scene or "a scene", 60), count(p.objects),
-    plan, p.level)
+  return ("%s: %s, level %s"):format(report.workload_words(p), plan, p.level)
 end
 
 local function pair_words(p)
@@ -23,15 +22,19 @@ function report.alone(p) return p.share == 0 and "B alone" or p.share == 1 and "
 -- Part of the launches that waited for a core.
 local function waited(p) return p.watched > 0 and ("%.0f"):format(100 * p.disturbed / p.watched) or "-" end
 
+local function kernels_of(p)
+  return p.variant_a == p.variant_b and p.variant_b or ("%s | %s"):format(p.variant_a, p.variant_b)
+end
+
 local function profile_row(row, p)
   if is_of_one(p) then
-    row { p.scene ~= "" and p.scene or "-", count(p.objects), p.variant_b, p.level,
+    row { report.workload_words(p), p.variant_b, p.level,
       ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms), waited(p), p.created }
     return
   end
   local gain = ("%+.1f (%+.1f to %+.1f)"):format(100 * p.gain, 100 * p.gain_low, 100 * p.gain_high)
-  row { p.scene ~= "" and p.scene or "-", count(p.objects), report.alone(p) or ("%.1f %%"):format(100 * p.share),
-    p.mode, p.variant_a, p.variant_b, p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
+  row { report.workload_words(p), report.alone(p) or ("%.1f %%"):format(100 * p.share), p.mode, kernels_of(p),
+    p.level, ("%.3f (%.3f to %.3f)"):format(p.ms, p.low_ms, p.high_ms),
     report.alone(p) and "-" or gain, report.alone(p) and "-" or p.verdict, waited(p), p.created }
 end
 
@@ -44,9 +47,9 @@ local function add_profiles(profiles)
       seen[pair_words(first)] = true
       add("<h3>%s</h3>\n", words(pair_words(first)))
       local row = is_of_one(first)
-          and rows_begin("lrllrrl", { "scene", "objects", "kernels", "level", "step, ms", "waited, %", "measured, UTC" })
-        or rows_begin("lrrllllrrlrl", { "scene", "objects", "share of A", "mode", "A's kernels", "B's kernels",
-        "level", "step, ms", "gain, %", "verdict", "waited, %", "measured, UTC" })
+          and rows_begin("lllrrl", { "workload", "kernels", "level", "step, ms", "waited, %", "measured, UTC" })
+        or rows_begin("lrlllrrlrl", { "workload", "share of A", "mode", "kernels", "level", "step, ms",
+        "gain, %", "verdict", "waited, %", "measured, UTC" })
       for _, p in ipairs(profiles) do
         if p.live and pair_words(p) == pair_words(first) then profile_row(row, p) end
       end

@@ -7,13 +7,7 @@ local function signed(part) return ("%+.1f"):format(100 * part) end
 
 -- Certified is exact and the default, and is not mentioned.
 local function workload(p)
-  local scene, objects = p.scene ~= "" and p.scene or "-", count(p.objects)
-  if p.query then
-    return p.objects == 0 and ("%s, %s, %s"):format(scene, count(p.items), p.query)
-      or ("%s, %s: %s %s"):format(scene, objects, count(p.items), p.query)
-  end
-  return ("%s, %s%s%s"):format(scene, objects, p.moving and ", moving" or "",
-    p.level == "certified" and "" or ", " .. p.level)
+  return report.workload_words(p) .. ((p.query or p.level == "certified") and "" or ", " .. p.level)
 end
 
 local function tell_profile(row, p)

@@ -73,6 +73,15 @@ function report.cut(s, most)
   return s:sub(1, most)
 end
 
+-- A profile is for a scene and its size, for instance "paper, 100 000", "falling, 2 000, moving", "gravity, 1 000, task
+-- gravity" or "paper, 9: 50 rays".
+function report.workload_words(p)
+  local scene = report.cut(p.scene ~= "" and p.scene or "-", 60)
+  if not p.query then return ("%s, %s%s"):format(scene, report.count(p.objects), p.moving and ", moving" or "") end
+  return p.objects == 0 and ("%s, %s, %s"):format(scene, report.count(p.items), p.query)
+    or ("%s, %s: %s %s"):format(scene, report.count(p.objects), report.count(p.items), p.query)
+end
+
 function report.scene_words(one)
   local objects = report.count(report.number(one, "objects"))
   return ("%s, %s objects"):format(report.cut(report.text(one, "scene"), 60), objects)

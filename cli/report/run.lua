@@ -53,6 +53,7 @@ end
 -- A device that had nothing to do has no columns.
 local function tell_stages(o)
   local rows, all = gather_stages(o.stages)
+  local digits = math.max(all.A, all.B) < 0.1 and "%.5f" or "%.3f" -- a few boxes take less than 0.001 ms
   local devices = {}
   for _, device in ipairs { "A", "B" } do
     if all[device] > 0 then devices[#devices + 1] = device end
@@ -65,11 +66,11 @@ local function tell_stages(o)
     add(row.name)
     for _, device in ipairs(devices) do
       local ms, part = row[device], row[device] / all[device]
-      add(ms > 0 and ("%.3f"):format(ms) or "-", ms > 0 and ("%.1f"):format(100 * part) or " ", report.bar(part, 16))
+      add(ms > 0 and digits:format(ms) or "-", ms > 0 and ("%.1f"):format(100 * part) or " ", report.bar(part, 16))
     end
   end
   add("together")
-  for _, device in ipairs(devices) do add(("%.3f"):format(all[device]), " ", " ") end
+  for _, device in ipairs(devices) do add(digits:format(all[device]), " ", " ") end
   line("")
 end
 

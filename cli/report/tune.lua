@@ -92,7 +92,9 @@ end
 -- Tells figures that the table has no column for.
 local function tell_details(row)
   line("\n%s, %s, %.0f launches", row.workload, subject(row), row.launches)
-  if row.disturbed > 0 then line("  %.0f of %.0f launches waited for a core", row.disturbed, row.watched) end
+  if row.disturbed >= 0.005 * math.max(row.watched, 1) then
+    line("  %.0f %% of the launches waited for a core", 100 * row.disturbed / row.watched)
+  end
   if not gave_up(row) then tell_plan(row) end
   tell_use(row)
   if not gave_up(row) then tell_searches(row) end

@@ -147,9 +147,9 @@ end
 -- How quiet the machine was when a profile was measured.
 function report.waited(p) return ("%.0f of %.0f launches waited for a core"):format(p.disturbed, p.watched) end
 
--- "3 of 20 steps waited for a core; other programs had 40 % of the cores"; nil if none did.
+-- "3 of 20 steps waited for a core; other programs had 40 % of the cores"; nil if none did, or for threads of their own.
 function report.disturbed(row)
-  if number(row, "disturbed") == 0 then return nil end
+  if number(row, "disturbed") == 0 or number(row, "cpu_load") < 0.005 then return nil end
   return ("%.0f of %.0f steps waited for a core; other programs had %.0f %% of the cores"):format(row.disturbed,
     row.watched, 100 * row.cpu_load)
 end

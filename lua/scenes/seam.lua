@@ -1,6 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- A ball that slides, one that rolls, capsules along and across and a rounded box, each on a lane of flush
--- tiles: none trips over a seam. It moves.
+-- Balls, capsules and a rounded box on lanes of flush tiles: none trips over a seam. It moves.
 
 local p = parameters {
   n = 900, -- tiles

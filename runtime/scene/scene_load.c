@@ -17,11 +17,16 @@
 
 #define STDIN_NAME "stdin"
 
+static const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 // "boxes" for "data/boxes.csv".
 static bool name_after_file(duet_scene *scene, const char *path, duet_error *err)
 {
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
+    const char *name = file_name(path);
     const char *dot = strrchr(name, '.');
     return scene_set_name(scene, name, dot && dot > name ? (size_t)(dot - name) : strlen(name),
                           err);
@@ -82,6 +87,23 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
                          "%s: no such file or scene; did you mean '%s'?", path, near.name);
     return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                      "%s: no such file or scene; 'duet scenes' lists the scenes", path);
+}
+
+// A mesh and a kernel's text belong to a scene or a task; their ending tells them from one.
+static bool check_ending(const char *path, duet_error *err)
+{
+    if (access(path, F_OK) != 0)
+        return true;
+    if (has_ending(path, ".stl") || has_ending(path, ".obj"))
+        return error_set(err, DUET_STATUS_BAD_INPUT,
+                         "%s: a mesh, which is the ground of a scene; expected boxes as text, .npy "
+                         "or a .lua scene with mesh = { file = \"%s\" }",
+                         path, file_name(path));
+    if (has_ending(path, ".cl"))
+        return error_set(err, DUET_STATUS_BAD_INPUT,
+                         "%s: the text of a kernel, which a task file names; expected a scene",
+                         path);
+    return true;
 }
 
 // Only the kept rows of a .npy file are read, so it stays where it is.
@@ -158,7 +180,8 @@ static bool read_path(duet_scene *scene, const char *path, const duet_setting *s
 {
     text file = {0};
     scene_source source = {.file = -1};
-    bool ok = open_source(path, &source, &file, err) && name_after_file(scene, source.name, err) &&
+    bool ok = check_ending(path, err) && open_source(path, &source, &file, err) &&
+              name_after_file(scene, source.name, err) &&
               read_source(scene, &source, settings, n_settings, err);
     text_free(&file);
     if (source.file >= 0)

@@ -8,6 +8,7 @@
 #include "base/text_file.h"
 #include "support/kernels.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define OUT "test_bad_input.out"
@@ -50,6 +51,24 @@ TEST(what_a_reader_refuses_is_one_line)
         test_write_file(wrong[i][0], wrong[i][1]);
         assert_run_refused(1, wrong[i][0], wrong[i][2]);
     }
+}
+
+// Files that a person brings along for a scene or a task, and that belong into one.
+TEST(a_mesh_and_a_kernel_are_told_where_they_belong)
+{
+    static const char *const wrong[][2] = {
+        {"run bad.stl", "bad.stl: a mesh, which is the ground of a scene; expected boxes as text, "
+                        ".npy or a .lua scene with mesh = { file = \"bad.stl\" }"},
+        {"picture sub/bad.obj -o bad.svg", "a .lua scene with mesh = { file = \"bad.obj\" }"},
+        {"run bad.cl", "bad.cl: the text of a kernel, which a task file names; expected"},
+        {"run --task bad.cl", "bad.cl: the text of a kernel; expected a task file, which names it"},
+        {"run no.stl", "no.stl: No such file or directory"},
+    };
+    test_write_file("bad.stl", "solid t\nfacet normal 0 0 1\n");
+    mkdir("sub", 0777);
+    test_write_file("sub/bad.obj", "v 0 0 0\n");
+    test_write_file("bad.cl", "__kernel void add(__global float *a) {}\n");
+    program_assert_refused_by(1, wrong);
 }
 
 // An endless file is left at the first byte or line that no text has.

@@ -43,6 +43,7 @@ TEST(every_subcommand_has_help)
         assert_int_equal(p.exit_code, 0);
         assert_int_equal(strncmp(p.out, begin, strlen(begin)), 0);
         assert_says(p.out, "--help");
+        assert_true(!strstr(p.out, "SCENE|FILE") || strstr(p.out, "\nFILE has a box a row"));
         program other = program_run("help %s", name);
         assert_string_equal(other.out, p.out);
         ++n;
@@ -219,7 +220,8 @@ TEST(scenes_are_known_by_name)
     for (char *row = strtok(list.out, "\n"); row; row = strtok(NULL, "\n"), ++n) {
         char name[32];
         assert_int_equal(sscanf(row, "%31[a-z0-9]  %*c", name), 1);
-        assert_true(strlen(row) > strlen(name) + 20); // and what it is
+        assert_true(strlen(row) > strlen(name) + 20); // and what it is, in whole sentences
+        assert_string_equal(row + strlen(row) - 1, ".");
         program shown = program_run("scenes %s", name);
         assert_int_equal(strncmp(shown.out, "-- SPDX", 7), 0);
     }

@@ -65,7 +65,7 @@ static text make_page(void)
 TEST(the_page_shows_profile_search_stages_and_history)
 {
     const text page = make_page();
-    static const char *const has[] = {"100 000 objects",
+    static const char *const has[] = {"&lt;b&gt;boxes&lt;/b&gt; &amp; more, 100 000",
                                       "<h2>Searches</h2>",
                                       "share of A",
                                       "hash: 1.250 ms",

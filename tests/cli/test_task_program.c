@@ -226,7 +226,7 @@ TEST(wrong_calls_are_refused)
         {"run --task none.task.lua", 2, "none.task.lua"},
         {"profiles why paper --task saxpy.task.lua", 2, "--task: the file says what it is"},
         {"profiles why", 2, "SCENE|FILE is missing"},
-        {"explain", 2, "SCENE is missing"},
+        {"explain", 2, "SCENE|FILE is missing"},
         {"explain paper --task saxpy.task.lua", 2, "--task: the file says what it is"},
         {"explain --task saxpy.task.lua --measure", 2, "--measure"},
         {"tune paper --task saxpy.task.lua", 2, "paper: with --task the file says what is tuned"},

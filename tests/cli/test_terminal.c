@@ -228,6 +228,30 @@ TEST(long_work_tells_how_far_it_is)
     }
 }
 
+// The first of many steps, in which kernels are compiled, says nothing of the others.
+TEST(no_time_is_said_to_be_left_after_one_step_of_many)
+{
+    char script[512];
+    snprintf(script, sizeof script, "%s run orbit2d -n 300 --steps 4000 --json >out",
+             getenv("DUET_PROGRAM"));
+    terminal t = run_at_terminal(100, script, NULL, 0);
+    const char *first = strstr(text_chars(&t.seen), "step 1 of 4000, ");
+    assert_non_null(first);
+    assert_null(memmem(first, strcspn(first, "\r"), " left", 5));
+    text_free(&t.seen);
+}
+
+TEST(a_task_that_is_checked_says_so)
+{
+    char script[512];
+    snprintf(script, sizeof script,
+             "%s run --task %s/../../examples/tasks/saxpy.task.lua --json >out",
+             getenv("DUET_PROGRAM"), getenv("DUET_TEST_DATA"));
+    terminal t = run_at_terminal(100, script, NULL, 0);
+    assert_true(sees(&t, "checking the kernel"));
+    text_free(&t.seen);
+}
+
 TEST(a_line_of_progress_is_no_wider_than_the_terminal)
 {
     enum { COLUMNS = 20 };

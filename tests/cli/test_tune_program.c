@@ -453,6 +453,9 @@ TEST(a_motion_is_tuned_by_runs_and_run_follows)
     assert_runs("falling -n 50 --pair cpu --steps 4",
                 "plan: from the profile, interpolated: that of another number of bodies");
     assert_runs("falling -n 30 --pair cpu", "plan: the default; to measure a better one:");
+    assert_runs("marbles -n 31 --set friction=0.4 --pair cpu --steps 4",
+                "plan: the default; to measure a better one:\n"
+                "  duet tune marbles -n 31 --set friction=0.4 --pair pocl:0 --steps 60\n");
     assert_runs("falling -n 30 --pair halves --share 0 --steps 2",
                 "plan: as given; A has nothing to do");
     program p = program_run("profiles why falling -n 30 --pair cpu --moving --profile " STORE);

@@ -90,4 +90,13 @@ facts.holds("bars begin at 0, also those that go down", function()
   assert(ticks_of { -39, -41 }[0])
 end)
 
+facts.holds("a logarithmic axis of few powers has ticks to read", function()
+  local function script_of(most)
+    return plot.script("x", { title = "t", x = "x", y = "y", kind = "lines", log = "y",
+      series = { { name = "s", points = { { 0, 3 }, { 1, most, 4, most } } } } })
+  end
+  assert(script_of(40):find("set ytics ('1' 1, '2' 2, '5' 5, '10' 10, '20' 20, '50' 50", 1, true))
+  assert(not script_of(400):find "set ytics")
+end)
+
 facts.finish()
