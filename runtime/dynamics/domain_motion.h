@@ -171,7 +171,6 @@ bool domain_find_manifolds(duet_motion *m, duet_error *err); // of it
 
 // Find which bodies sleep from now on (ASLEEP), read the flags, and find manifolds of what woke;
 // `fell`: something fell asleep or woke in any domain.
-bool domain_update_sleep(duet_motion *m, duet_error *err);
 bool domain_read_flags(duet_motion *m, duet_error *err);
 bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 
@@ -270,8 +269,6 @@ bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 // A substep: velocities, contacts as soft springs, positions, contacts relaxed. With shocks, before
 // the contacts, sweeps come, up to SHOCK_SWEEPS, until none in any domain bounced; after all
 // substeps restitution, which is of contacts, too.
-bool domain_integrate_velocities(duet_motion *m, duet_error *err);
-bool domain_integrate_positions(duet_motion *m, duet_error *err);
 bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err);
 
 // A pass does one of these to contacts: to a colour's inner ones; then to those of colours
