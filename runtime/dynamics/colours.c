@@ -165,7 +165,7 @@ static bool launch_colouring(duet_motion *m, duet_error *err)
 
 bool motion_read_colours(duet_motion *m, duet_error *err)
 {
-    return motion_colours_at_once(m)
+    return m->kernels.of[COLOUR_CONTACTS]
                ? motion_start_flags(m, err) &&
                      timeline_read(&m->times, "graph_colour", &m->buffers[SPANS], m->solver.colours,
                                    sizeof m->solver.colours, err)
@@ -176,7 +176,7 @@ bool motion_keep_colours(duet_motion *m, duet_error *err)
 {
     if (m->flags[FLAG_ROUNDS] > TEAM_ROUNDS)
         m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - TEAM_ROUNDS);
-    if (keep_list(m) || !motion_colours_at_once(m))
+    if (keep_list(m) || !m->kernels.of[COLOUR_CONTACTS])
         return true;
     count_colours(&m->solver);
     return use_colours(m, err);
@@ -186,7 +186,7 @@ bool motion_begin_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return true;
-    if (motion_colours_at_once(m))
+    if (m->kernels.of[COLOUR_CONTACTS])
         return launch_colouring(m, err);
     return motion_launch(m, GRAPH_COLOUR_MARK, err);
 }
@@ -197,7 +197,7 @@ bool motion_end_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
-    const bool asks = motion_colours_at_once(m) || m->solver.rounds == 0;
+    const bool asks = m->kernels.of[COLOUR_CONTACTS] || m->solver.rounds == 0;
     return (!asks || (motion_read_colours(m, err) && motion_keep_colours(m, err))) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }

@@ -323,9 +323,9 @@ bool motion_has_team(const duet_motion *m, motion_kernel which)
     return k && k->groups == GROUPS_TEAM;
 }
 
-// Whether one launch colours: by groups that meet, or by a team, unless a plan sets groups
-// for the launches.
-bool motion_colours_at_once(const duet_motion *m)
+// Whether one launch colours: by groups that meet, or by a team, unless a plan sets groups for the
+// launches.
+static bool colours_at_once(const duet_motion *m)
 {
     const kernel *k = m->kernels.of[COLOUR_CONTACTS];
     return k && (k->groups == GROUPS_MEET ||
@@ -333,9 +333,9 @@ bool motion_colours_at_once(const duet_motion *m)
 }
 
 // A plan that sets how contacts are solved is obeyed by launches of their own.
-bool motion_team_solves(const duet_motion *m)
+static bool team_obeys(const duet_motion *m)
 {
-    return motion_has_team(m, SOLVE_SUBSTEPS) && motion_has_team(m, SOLVE_CONTACTS) &&
+    return motion_has_team(m, SOLVE_CONTACTS) &&
            kernel_param(m->kernels.of[SOLVE_CONTACTS], "LANES") ==
                kernel_param(m->kernels.of[SOLVE_SUBSTEPS], "LANES");
 }
@@ -346,19 +346,28 @@ static void spare(const duet_motion *m, const motion_kernel *list, size_t n)
         m->kernels.of[list[i]]->spare = true;
 }
 
-// Launches that do all of several stages spare the kernels of each, unless a domain takes its
-// stages one by one.
-static void spare_stages(duet_motion *m)
+static void drop(duet_motion *m, motion_kernel which)
+{
+    if (m->kernels.of[which])
+        m->kernels.of[which]->spare = true;
+    m->kernels.of[which] = NULL;
+}
+
+// Launches that do all of several stages are there only if they are used, and then spare the
+// kernels of each stage, unless a domain takes its stages one by one.
+static void choose_launches(duet_motion *m)
 {
     static const motion_kernel of_solver[] = {PREPARE_CONTACTS, STORE_IMPULSES, SOLVE_CONTACTS,
                                               APPLY_RESTITUTION, INTEGRATE_POSITIONS};
     static const motion_kernel of_colours[] = {GRAPH_COLOUR_MARK, GRAPH_COLOUR_CHOOSE,
                                                GRAPH_COLOUR_TAKE, GRAPH_COLOUR_KEY, ROW_START};
-    if (!has(m, DUET_EFFECT_CONTACT_RESPONSE) || m->is_domain)
-        return;
-    if (motion_team_solves(m))
+    if (!colours_at_once(m))
+        drop(m, COLOUR_CONTACTS);
+    if (motion_has_team(m, SOLVE_SUBSTEPS) && !team_obeys(m))
+        drop(m, SOLVE_SUBSTEPS);
+    if (motion_has_team(m, SOLVE_SUBSTEPS) && !m->is_domain)
         spare(m, of_solver, sizeof of_solver / sizeof *of_solver);
-    if (motion_colours_at_once(m)) {
+    if (m->kernels.of[COLOUR_CONTACTS] && !m->is_domain) {
         spare(m, of_colours, sizeof of_colours / sizeof *of_colours);
         m->solver.radix.count->spare = m->solver.radix.move->spare = true;
     }
@@ -373,7 +382,7 @@ static bool choose_all(duet_motion *m, duet_error *err)
     bool ok = choose_kernels(m, err) &&
               program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err);
     if (ok)
-        spare_stages(m);
+        choose_launches(m);
     return ok;
 }
 

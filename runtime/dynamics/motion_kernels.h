@@ -40,11 +40,6 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
 // Whether a kernel is there, and a team's.
 bool motion_has_team(const duet_motion *m, motion_kernel which);
 
-// Whether a team takes whole substeps; whether one launch chooses and lists all colours, and lays
-// them out.
-bool motion_team_solves(const duet_motion *m);
-bool motion_colours_at_once(const duet_motion *m);
-
 // Whether contacts are told that closed fast.
 bool motion_tells_hits(const duet_motion *m);
 

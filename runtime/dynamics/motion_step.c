@@ -241,7 +241,7 @@ static bool hold_up_to(const duet_motion *m, product_name which)
 // than one launch makes have to stay; manifolds that a step begins with are not made again.
 static cl_uint hopes_of(const duet_motion *m, const uint32_t flags[FLAGS])
 {
-    const bool lays = motion_colours_at_once(m);
+    const bool lays = m->kernels.of[COLOUR_CONTACTS];
     const bool stays = product_was_made(&m->products, PRODUCT_COLOURS) &&
                        !product_is_forgotten(&m->products, PRODUCT_COLOURS) &&
                        !flags[FLAG_RECOLOURED];

@@ -232,7 +232,7 @@ static bool run_substeps(duet_motion *m, duet_error *err)
 bool motion_solves_at_once(const duet_motion *m)
 {
     const kernel *k = m->kernels.of[SOLVE_SUBSTEPS];
-    return k && (k->groups == GROUPS_TEAM ? motion_team_solves(m) : have_space(m, k));
+    return k && (k->groups == GROUPS_TEAM || have_space(m, k));
 }
 
 bool motion_solve(duet_motion *m, duet_error *err)
