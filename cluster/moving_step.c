@@ -156,12 +156,12 @@ static bool update_sleep(moving *m, tally *t, duet_error *own)
 
 static void push_sleepers(moving *m, duet_error *own)
 {
-    for (uint32_t round = 0; round < PRESSED_ROUNDS; ++round) {
+    for (uint32_t round = 0; round <= PRESSED_ROUNDS; ++round) {
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
             domain_push_sleepers(m->domains[k].motion, round, own);
-        halo_exchange_ways(&m->halo, m, round, own);
+        if (round < PRESSED_ROUNDS)
+            halo_exchange_ways(&m->halo, m, round, own);
     }
-    each(m, domain_move_sleepers, own);
 }
 
 static bool respond(moving *m, duet_error *own)

@@ -128,8 +128,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
 static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error *err)
 {
     bool contact = m->effects & DUET_EFFECT_CONTACT;
-    uint64_t most = s->n_pairs + (m->kernels.of[CONTACT_GRAPH_WALLS] ? 6 * (uint64_t)m->n : 0) +
-                    (m->kernels.of[CONTACT_GRAPH_GROUND] ? GROUND_CONTACTS * (uint64_t)m->n : 0);
+    uint64_t most = motion_most_contacts(m, s->n_pairs);
     if (s->has_graph > contact || (!s->has_graph && (s->n_contacts > 0 || s->n_pairs > 0)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion has %u contacts, but nothing that finds them",

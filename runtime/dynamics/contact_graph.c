@@ -78,8 +78,7 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
                            (unsigned long long)m->step);
 }
 
-// Contacts that rows may have: pairs, walls and the ground.
-static uint64_t most_contacts(const duet_motion *m, uint64_t pairs)
+uint64_t motion_most_contacts(const duet_motion *m, uint64_t pairs)
 {
     return pairs + (m->kernels.of[CONTACT_GRAPH_WALLS] ? 6 * (uint64_t)m->n : 0) +
            (m->kernels.of[CONTACT_GRAPH_GROUND] ? GROUND_CONTACTS * (uint64_t)m->n : 0);
@@ -87,7 +86,7 @@ static uint64_t most_contacts(const duet_motion *m, uint64_t pairs)
 
 static bool note_pairs(duet_motion *m, uint64_t n, const buffer *pairs, duet_error *err)
 {
-    const uint64_t most = most_contacts(m, n);
+    const uint64_t most = motion_most_contacts(m, n);
     if (most >= UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
                          (unsigned long long)most, UINT32_MAX - 1);
@@ -187,8 +186,8 @@ static bool make_by_team(duet_motion *m, motion_kernel k, uint32_t work, uint64_
 static bool put_rows(duet_motion *m, duet_error *err)
 {
     if (motion_has_team(m, MAKE_ROWS))
-        return make_by_team(m, MAKE_ROWS, m->graph.n_pairs, most_contacts(m, m->graph.n_pairs),
-                            err);
+        return make_by_team(m, MAKE_ROWS, m->graph.n_pairs,
+                            motion_most_contacts(m, m->graph.n_pairs), err);
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err);
 }
@@ -233,13 +232,14 @@ static bool fill_returns(duet_motion *m, duet_error *err)
 static bool stay_empty(const duet_motion *m)
 {
     return m->graph.n_without > 0 && m->graph.n_without == m->n &&
-           product_was_made(&m->products, PRODUCT_ROWS) && most_contacts(m, m->graph.n_pairs) == 0;
+           product_was_made(&m->products, PRODUCT_ROWS) &&
+           motion_most_contacts(m, m->graph.n_pairs) == 0;
 }
 
 // The contacts before are matched with the new ones, which have other places in the list by colour.
 static bool make_rows(duet_motion *m, duet_error *err)
 {
-    const uint64_t most = most_contacts(m, m->graph.n_pairs);
+    const uint64_t most = motion_most_contacts(m, m->graph.n_pairs);
     buffer *b = m->buffers;
     m->graph.n_without = 0;
     m->graph.n_old = m->graph.n_contacts;

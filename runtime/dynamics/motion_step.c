@@ -242,9 +242,8 @@ static bool hold_up_to(const duet_motion *m, product_name which)
 static cl_uint hopes_of(const duet_motion *m, const uint32_t flags[FLAGS])
 {
     const bool lays = m->kernels.of[COLOUR_CONTACTS];
-    const bool stays = product_was_made(&m->products, PRODUCT_COLOURS) &&
-                       !product_is_forgotten(&m->products, PRODUCT_COLOURS) &&
-                       !flags[FLAG_RECOLOURED];
+    const bool stays =
+        !product_is_forgotten(&m->products, PRODUCT_COLOURS) && !flags[FLAG_RECOLOURED];
     if (m->graph.n_contacts == 0 || m->buffers[BLOCKS].bytes == 0 || !motion_solves_at_once(m) ||
         !(lays || stays) || product_is_right(&m->products, PRODUCT_MANIFOLDS))
         return 0;

@@ -141,9 +141,9 @@ static bool store_impulses(duet_motion *m, duet_error *err)
 static bool push_sleepers(duet_motion *m, duet_error *err)
 {
     bool ok = true;
-    for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
-        ok = motion_launch(m, PUSH_SLEEPERS, err);
-    return ok && motion_launch(m, MOVE_SLEEPERS, err);
+    for (uint32_t round = 0; ok && round <= PRESSED_ROUNDS; ++round)
+        ok = domain_push_sleepers(m, round, err);
+    return ok;
 }
 
 // ---------------------------------------------------------------- all passes at once
@@ -254,13 +254,7 @@ bool motion_finalize(duet_motion *m, bool presses, duet_error *err)
 bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err)
 {
     m->solver.round = round;
-    return motion_launch(m, PUSH_SLEEPERS, err);
-}
-
-bool domain_move_sleepers(duet_motion *m, duet_error *err)
-{
-    m->solver.round = PRESSED_ROUNDS;
-    return motion_launch(m, MOVE_SLEEPERS, err);
+    return motion_launch(m, round < PRESSED_ROUNDS ? PUSH_SLEEPERS : MOVE_SLEEPERS, err);
 }
 
 bool domain_prepare_contacts(duet_motion *m, duet_error *err)
