@@ -44,30 +44,6 @@ static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t fr
     return end;
 }
 
-// ---------------------------------------------------------------- colours by a team
-
-static uint32_t end_of_colours(const contact_solver *s)
-{
-    uint32_t to = COLOUR_OVERFLOW + 1;
-    while (to > 0 && s->colours[to - 1].count == 0)
-        --to;
-    return to;
-}
-
-// Takes colours in one launch.
-static bool launch_team(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
-                        duet_error *err)
-{
-    contact_solver *s = &m->solver;
-    const uint32_t most = most_of(s, from, to < COLOUR_OVERFLOW ? to : COLOUR_OVERFLOW);
-    s->span = span_of(s, from);
-    s->from_colour = from;
-    s->to_colour = to;
-    return from == to || team_launch(m, which, most, TEAM_LEAST_PART, to - from, err);
-}
-
-// ---------------------------------------------------------------- colours by launches
-
 // Takes colours below COLOUR_OVERFLOW.
 static bool launch_below(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
                          duet_error *err)
@@ -82,19 +58,40 @@ static bool launch_below(duet_motion *m, motion_kernel which, uint32_t from, uin
     return ok;
 }
 
-// Contacts that found no colour are taken in order, by one work-item.
-static bool launch_each(duet_motion *m, motion_kernel which, duet_error *err)
+static bool launch_team(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                        uint32_t most, duet_error *err)
 {
-    uint32_t in_order = m->solver.colours[COLOUR_OVERFLOW].count;
-    return launch_below(m, which, 0, COLOUR_OVERFLOW, err) &&
-           (in_order == 0 ||
-            launch_colours(m, which, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
+    contact_solver *s = &m->solver;
+    s->span = span_of(s, from);
+    s->from_colour = from;
+    s->to_colour = to;
+    return from == to || team_launch(m, which, most, TEAM_LEAST_PART, to - from, err);
+}
+
+// Takes colours: a team in one launch; else contacts that found no colour come last, in order, by
+// one work-item.
+static bool take_colours(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                         duet_error *err)
+{
+    const contact_solver *s = &m->solver;
+    const uint32_t below = to < COLOUR_OVERFLOW ? to : COLOUR_OVERFLOW;
+    if (motion_has_team(m, which))
+        return launch_team(m, which, from, to, most_of(s, from, below), err);
+    return launch_below(m, which, from, below, err) &&
+           (to == below || launch_colours(m, which, below, to, s->colours[below].count, 1, err));
+}
+
+static uint32_t end_of_colours(const contact_solver *s)
+{
+    uint32_t to = COLOUR_OVERFLOW + 1;
+    while (to > 0 && s->colours[to - 1].count == 0)
+        --to;
+    return to;
 }
 
 static bool for_colours(duet_motion *m, motion_kernel which, duet_error *err)
 {
-    return motion_has_team(m, which) ? launch_team(m, which, 0, end_of_colours(&m->solver), err)
-                                     : launch_each(m, which, err);
+    return take_colours(m, which, 0, end_of_colours(&m->solver), err);
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
@@ -262,13 +259,10 @@ bool domain_prepare_contacts(duet_motion *m, duet_error *err)
     return for_colours(m, PREPARE_CONTACTS, err);
 }
 
-// Runs a kernel over the contacts of colours below COLOUR_OVERFLOW.
-static bool launch_between(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
-                           duet_error *err)
+static bool take_if_any(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                        duet_error *err)
 {
-    return most_of(&m->solver, from, to) == 0 ||
-           (motion_has_team(m, which) ? launch_team(m, which, from, to, err)
-                                      : launch_below(m, which, from, to, err));
+    return most_of(&m->solver, from, to) == 0 || take_colours(m, which, from, to, err);
 }
 
 // Launches a kernel for n contacts of a colour, from one that begins a block.
@@ -310,9 +304,9 @@ bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32
     const motion_kernel which = begin_pass(m, pass);
     const colour_span *first = &m->solver.colours[from];
     if (first->border == first->count)
-        return launch_between(m, which, from, to, err);
+        return take_if_any(m, which, from, to, err);
     return launch_some(m, which, from, 0, first->border, err) &&
-           launch_between(m, which, from + 1, to, err);
+           take_if_any(m, which, from + 1, to, err);
 }
 
 // A device that is the host's own is waited for: whoever then waits for messages takes a core.
