@@ -2,8 +2,8 @@
 // Makes the points where contacts touch when a step begins, and wakes what a touch wakes.
 #include "runtime/dynamics/domain_motion.h"
 
-// Of what is awake; or, if anything woke in this step, of that: it has its mass again before it is
-// pushed.
+// woken: 1 finds those of bodies that woke in this step, which get their mass again before they are
+// pushed; 0 those of all that is awake.
 static bool find_manifolds(duet_motion *m, uint32_t woken, duet_error *err)
 {
     m->solver.woken = woken;
