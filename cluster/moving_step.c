@@ -15,6 +15,12 @@ static void each(moving *m, domain_stage *stage, duet_error *own)
         stage(m->domains[k].motion, own);
 }
 
+static void each_launch(moving *m, motion_kernel which, duet_error *own)
+{
+    for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
+        motion_launch(m->domains[k].motion, which, own);
+}
+
 // Contacts without a colour of their own come one by one, in the order of all ids: a domain takes
 // those that it has.
 static void solve_in_order(moving *m, domain_pass pass, duet_error *own)
@@ -101,13 +107,13 @@ static bool solve_shocks(moving *m, duet_error *own)
 static bool substep(moving *m, duet_error *own)
 {
     const bool has_shocks = motion_has_shocks(m->domains[0].motion);
-    each(m, domain_integrate_velocities, own);
+    each_launch(m, INTEGRATE_VELOCITIES, own);
     if (has_shocks)
         halo_exchange_after(&m->halo, m, HALO_ANY, own);
     if (!solve_shocks(m, own))
         return false;
     solve(m, PASS_SOFT, has_shocks ? HALO_NONE : HALO_ANY, own);
-    each(m, domain_integrate_positions, own);
+    each_launch(m, INTEGRATE_POSITIONS, own);
     solve(m, PASS_RELAX, HALO_NONE, own);
     return true;
 }
@@ -133,7 +139,7 @@ static bool update_sleep(moving *m, tally *t, duet_error *own)
     if (!(m->domains[0].motion->effects & DUET_EFFECT_SLEEP))
         return true;
     halo_exchange(&m->halo, m, RESTS, own);
-    each(m, domain_update_sleep, own);
+    each_launch(m, UPDATE_SLEEP, own);
     halo_exchange_asleep(&m->halo, m, own);
     each(m, domain_read_flags, own);
     for (uint32_t k = 0; k < m->parts; ++k) {
@@ -150,12 +156,12 @@ static bool update_sleep(moving *m, tally *t, duet_error *own)
 
 static void push_sleepers(moving *m, duet_error *own)
 {
-    for (uint32_t round = 0; round < PRESSED_ROUNDS; ++round) {
+    for (uint32_t round = 0; round <= PRESSED_ROUNDS; ++round) {
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
             domain_push_sleepers(m->domains[k].motion, round, own);
-        halo_exchange_ways(&m->halo, m, round, own);
+        if (round < PRESSED_ROUNDS)
+            halo_exchange_ways(&m->halo, m, round, own);
     }
-    each(m, domain_move_sleepers, own);
 }
 
 static bool respond(moving *m, duet_error *own)

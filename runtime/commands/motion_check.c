@@ -128,8 +128,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
 static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error *err)
 {
     bool contact = m->effects & DUET_EFFECT_CONTACT;
-    uint64_t most = s->n_pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0) +
-                    (m->kernels.contact_graph_ground ? GROUND_CONTACTS * (uint64_t)m->n : 0);
+    uint64_t most = motion_most_contacts(m, s->n_pairs);
     if (s->has_graph > contact || (!s->has_graph && (s->n_contacts > 0 || s->n_pairs > 0)))
         return error_set(err, DUET_STATUS_BAD_INPUT,
                          "%s: the saved motion has %u contacts, but nothing that finds them",
@@ -168,8 +167,8 @@ static bool is_sensor(const duet_motion *m, uint32_t id)
 // Whether there is such a wall, or contact with the ground.
 static bool is_fixed(const duet_motion *m, uint32_t k)
 {
-    return k < AT_GROUND ? m->kernels.contact_graph_walls && k < 2 * m->def.dims
-                         : m->kernels.contact_graph_ground && k < FIXED;
+    return k < AT_GROUND ? m->kernels.of[CONTACT_GRAPH_WALLS] && k < 2 * m->def.dims
+                         : m->kernels.of[CONTACT_GRAPH_GROUND] && k < FIXED;
 }
 
 // The first of two bodies with a mass owns the contact; a body without mass owns one only as a

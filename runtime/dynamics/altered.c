@@ -112,19 +112,6 @@ static bool send_altered(duet_motion *m, duet_error *err)
                              a->n * sizeof *a->places, err);
 }
 
-bool motion_prepare_altered(duet_motion *m, duet_error *err)
-{
-    motion_kernels *k = &m->kernels;
-    const bindings from = motion_bindings;
-    const kernel_request list[] = {
-        {&k->compute_altered_aabbs, true, "fat_aabbs", "compute_fat_aabbs", from},
-        {&k->place_altered, true, "altered_pairs", "place_altered", from},
-        {&k->find_altered_pairs, true, "altered_pairs", "find_altered_pairs", from},
-        {&k->keep_pairs, true, "altered_pairs", "keep_pairs", from},
-    };
-    return motion_build_kernels(m, list, sizeof list / sizeof *list, true, err);
-}
-
 // ---------------------------------------------------------------- in a step
 
 bool motion_bound_altered(duet_motion *m, duet_error *err)
@@ -134,15 +121,13 @@ bool motion_bound_altered(duet_motion *m, duet_error *err)
     list_once(&m->altered);
     measure_table(m);
     return reserve_table(m, err) && send_altered(m, err) &&
-           motion_launch(m, "grid", m->kernels.compute_altered_aabbs, m->altered.n, err) &&
-           motion_launch(m, stage, m->kernels.place_altered, m->altered.n, err);
+           motion_launch(m, COMPUTE_ALTERED_AABBS, err) && motion_launch(m, PLACE_ALTERED, err);
 }
 
 bool motion_search_altered(duet_motion *m, cl_uint *n, duet_error *err)
 {
     uint32_t counts[ALTERED_COUNTS] = {0};
-    bool ok = motion_launch(m, stage, m->kernels.find_altered_pairs, m->n, err) &&
-              motion_launch(m, stage, m->kernels.keep_pairs, m->graph.n_contacts, err) &&
+    bool ok = motion_launch(m, FIND_ALTERED_PAIRS, err) && motion_launch(m, KEEP_PAIRS, err) &&
               motion_fetch(m, stage, ALTERED_COUNT_WORDS, 0, counts, sizeof counts, err);
     *n = counts[ALTERED_PAIRS];
     return ok;

@@ -28,9 +28,6 @@ static inline void altered_forget(altered_bodies *a)
 void motion_alter_places(duet_motion *m, const uint32_t *places, uint32_t n);
 void motion_alter_all(duet_motion *m);
 
-// Builds the kernels of these.
-bool motion_prepare_altered(duet_motion *m, duet_error *err);
-
 // In a step: makes the listed bodies' bounds, and the table of them.
 bool motion_bound_altered(duet_motion *m, duet_error *err);
 

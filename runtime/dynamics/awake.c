@@ -5,7 +5,7 @@ static const char stage[] = "sleep";
 
 static uint32_t count_parts(const duet_motion *m)
 {
-    const kernel *k = m->kernels.list_awake;
+    const kernel *k = m->kernels.of[LIST_AWAKE];
     uint32_t most = m->n > m->graph.n_contacts ? m->n : m->graph.n_contacts;
     return (uint32_t)(((uint64_t)most + k->per_item - 1) / k->per_item);
 }
@@ -24,17 +24,15 @@ static bool reserve(duet_motion *m, duet_error *err)
 static bool list(duet_motion *m, uint32_t woken, duet_error *err)
 {
     awake_lists *a = &m->awake;
-    const motion_kernels *k = &m->kernels;
     buffer *counts = &m->buffers[PART_COUNTS];
-    uint64_t work = (uint64_t)a->n_parts * k->list_awake->per_item;
+    uint64_t work = (uint64_t)a->n_parts * m->kernels.of[LIST_AWAKE]->per_item;
     m->solver.woken = woken;
     a->n_bodies = m->n;
     a->n_contacts = m->graph.n_contacts;
-    return motion_launch(m, stage, k->mark_awake, m->n, err) &&
-           motion_launch(m, stage, k->spread_awake, work, err) &&
-           motion_launch(m, stage, k->count_awake, work, err) &&
+    return motion_launch(m, MARK_AWAKE, err) && motion_launch_over(m, SPREAD_AWAKE, work, err) &&
+           motion_launch_over(m, COUNT_AWAKE, work, err) &&
            scan_run(&m->graph.scan, &m->times, stage, counts, counts, 2 * a->n_parts + 1, err) &&
-           motion_launch(m, stage, k->list_awake, work, err) &&
+           motion_launch_over(m, LIST_AWAKE, work, err) &&
            timeline_start_read(&m->times, stage, &m->buffers[N_LISTED], 0, a->counted,
                                sizeof a->counted, err);
 }
@@ -74,8 +72,7 @@ bool motion_make_awake(duet_motion *m, duet_error *err)
 
 bool motion_list_woken(duet_motion *m, duet_error *err)
 {
-    return motion_launch(m, stage, m->kernels.wake_touching, m->awake.n_bodies, err) &&
-           list(m, 1, err);
+    return motion_launch(m, WAKE_TOUCHING, err) && list(m, 1, err);
 }
 
 void motion_count_awake(duet_motion *m)

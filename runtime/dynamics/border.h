@@ -4,13 +4,10 @@
 #ifndef RUNTIME_BORDER_H
 #define RUNTIME_BORDER_H
 
-#include "runtime/opencl/program.h"
+#include <CL/cl.h>
+#include <stdint.h>
 
 typedef struct motion_border {
-    // NULL until a domain asks
-    kernel *mark_border, *choose_inner, *count_border, *list_border, *border_key, *used_colours,
-        *list_near, *list_meeting, *make_far_boxes, *keep_contacts, *begin_ghosts, *note_kept,
-        *note_lacks, *take_needed, *take_own, *end_contacts, *end_ghosts, *read_asked, *take_asked;
     uint32_t rounds; // of colouring, that a step is sent without a look at whether more would help
     // what a launch is told besides
     cl_uint n_extents, near_capacity, every, listed, n_border, closing_colour;

@@ -65,29 +65,26 @@ static void lay_border(contact_solver *s, uint32_t block, uint32_t least_inner,
 
 // Contacts of one colour after the other into LIST, by the keys that a kernel gives them: starts
 // become where each key begins. Reads the flags as well.
-static bool sort_colours(duet_motion *m, const kernel *key, uint32_t starts[KEYS + 1],
+static bool sort_colours(duet_motion *m, motion_kernel key, uint32_t starts[KEYS + 1],
                          duet_error *err)
 {
     const uint32_t bytes = (KEYS + 1) * sizeof *starts;
     buffer *b = m->buffers;
     const radix_lists lists = {&b[LIST_KEYS], &b[LIST], &b[LIST_KEYS_SPARE], &b[LIST_SPARE]};
     const char *stage = "graph_colour";
-    return motion_launch(m, stage, key, m->awake.n_contacts, err) &&
+    return motion_launch(m, key, err) &&
            radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
                           err) &&
-           motion_launch(m, stage, m->kernels.row_start, (uint64_t)m->awake.n_contacts + 1, err) &&
-           motion_start_flags(m, err) &&
+           motion_launch(m, ROW_START, err) && motion_start_flags(m, err) &&
            timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, bytes, err);
 }
 
-static bool run_rounds(duet_motion *m, const kernel *choose, uint32_t from, uint32_t to,
+static bool run_rounds(duet_motion *m, motion_kernel choose, uint32_t from, uint32_t to,
                        duet_error *err)
 {
-    const uint32_t n = m->awake.n_bodies;
     bool ok = true;
     for (m->solver.round = from + 1; ok && m->solver.round <= to; ++m->solver.round)
-        ok = motion_launch(m, "graph_colour", choose, n, err) &&
-             motion_launch(m, "graph_colour", m->kernels.graph_colour_take, n, err);
+        ok = motion_launch(m, choose, err) && motion_launch(m, GRAPH_COLOUR_TAKE, err);
     return ok;
 }
 
@@ -119,8 +116,8 @@ static bool list_colours(duet_motion *m, duet_error *err)
     bool ok = reserve_lists(m, err);
     uint32_t from = 0, to = s->rounds > 0 ? s->rounds : m->flags[FLAG_UNCOLOURED] > 0;
     do {
-        ok = ok && run_rounds(m, m->kernels.graph_colour_choose, from, to, err) &&
-             sort_colours(m, m->kernels.graph_colour_key, starts, err);
+        ok = ok && run_rounds(m, GRAPH_COLOUR_CHOOSE, from, to, err) &&
+             sort_colours(m, GRAPH_COLOUR_KEY, starts, err);
         from = to;
         to += ROUNDS_MORE;
     } while (ok && m->flags[FLAG_UNCOLOURED] > 0);
@@ -156,19 +153,19 @@ enum { LEAST_CONTACTS = 256, SORT_STAGES = 3, ROUND_STAGES = 2 };
 // Chooses and sorts in one launch, if any contact changed its colour or the contacts are others.
 static bool launch_colouring(duet_motion *m, duet_error *err)
 {
-    const kernel *k = m->kernels.colour_contacts;
+    const kernel *k = m->kernels.of[COLOUR_CONTACTS];
     m->solver.sorts = product_is_forgotten(&m->products, PRODUCT_COLOURS);
     m->solver.block_capacity = (cl_uint)(m->buffers[BLOCKS].bytes / block_bytes(m));
     return reserve_lists(m, err) &&
            motion_reserve(m, KEY_COUNTS, (uint64_t)TEAM_MOST * KEYS, sizeof(uint32_t), err) &&
-           team_launch(m, "graph_colour", k, m->awake.n_contacts,
+           team_launch(m, COLOUR_CONTACTS, m->awake.n_contacts,
                        k->group > 1 ? k->group : LEAST_CONTACTS,
                        SORT_STAGES + ROUND_STAGES * TEAM_ROUNDS, err);
 }
 
 bool motion_read_colours(duet_motion *m, duet_error *err)
 {
-    return motion_colours_at_once(m)
+    return m->kernels.of[COLOUR_CONTACTS]
                ? motion_start_flags(m, err) &&
                      timeline_read(&m->times, "graph_colour", &m->buffers[SPANS], m->solver.colours,
                                    sizeof m->solver.colours, err)
@@ -179,7 +176,7 @@ bool motion_keep_colours(duet_motion *m, duet_error *err)
 {
     if (m->flags[FLAG_ROUNDS] > TEAM_ROUNDS)
         m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - TEAM_ROUNDS);
-    if (keep_list(m) || !motion_colours_at_once(m))
+    if (keep_list(m) || !m->kernels.of[COLOUR_CONTACTS])
         return true;
     count_colours(&m->solver);
     return use_colours(m, err);
@@ -189,9 +186,9 @@ bool motion_begin_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return true;
-    if (motion_colours_at_once(m))
+    if (m->kernels.of[COLOUR_CONTACTS])
         return launch_colouring(m, err);
-    return motion_launch(m, "graph_colour", m->kernels.graph_colour_mark, m->awake.n_contacts, err);
+    return motion_launch(m, GRAPH_COLOUR_MARK, err);
 }
 
 // A motion whose colours changed in the last step mostly changes them again: then the contacts are
@@ -200,7 +197,7 @@ bool motion_end_colours(duet_motion *m, duet_error *err)
 {
     if (m->graph.n_contacts == 0)
         return list_none(m);
-    const bool asks = motion_colours_at_once(m) || m->solver.rounds == 0;
+    const bool asks = m->kernels.of[COLOUR_CONTACTS] || m->solver.rounds == 0;
     return (!asks || (motion_read_colours(m, err) && motion_keep_colours(m, err))) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
@@ -214,7 +211,7 @@ bool domain_colour_inner(duet_motion *m, uint32_t every, domain_contacts *told, 
     m->border.every = every;
     if (m->n == 0 || m->graph.n_contacts == 0)
         return domain_list_waiting(m, told, err);
-    if (!domain_mark_border(m, err) || !run_rounds(m, m->border.choose_inner, 0, rounds, err) ||
+    if (!domain_mark_border(m, err) || !run_rounds(m, CHOOSE_INNER, 0, rounds, err) ||
         !domain_list_waiting(m, told, err))
         return false;
     const uint32_t needed = m->flags[FLAG_ROUNDS];
@@ -222,21 +219,12 @@ bool domain_colour_inner(duet_motion *m, uint32_t every, domain_contacts *told, 
     return true;
 }
 
-static bool build_key(duet_motion *m, duet_error *err)
-{
-    const kernel_request list[] = {
-        {&m->border.border_key, true, "border", "border_key", motion_bindings},
-    };
-    return m->border.border_key || motion_build_kernels(m, list, 1, false, err);
-}
-
 bool domain_take_colours(duet_motion *m, uint32_t least_inner, duet_error *err)
 {
     uint32_t starts[KEYS + 1];
     if (m->n == 0 || m->graph.n_contacts == 0)
         return list_none(m);
-    if (!reserve_lists(m, err) || !build_key(m, err) ||
-        !sort_colours(m, m->border.border_key, starts, err))
+    if (!reserve_lists(m, err) || !sort_colours(m, BORDER_KEY, starts, err))
         return false;
     lay_colours(&m->solver, m->layout.block, BORDER_KEYS, starts);
     lay_border(&m->solver, m->layout.block, least_inner, starts);

@@ -16,8 +16,7 @@
 bool motion_check_bounds(duet_motion *m, bool of_all, duet_error *err)
 {
     m->graph.of_all = of_all;
-    return motion_launch(m, "fat_aabbs", m->kernels.check_fat_aabbs,
-                         of_all ? m->n : m->awake.n_bodies, err);
+    return motion_launch(m, CHECK_FAT_AABBS, err);
 }
 
 void motion_note_bounds(duet_motion *m)
@@ -42,12 +41,13 @@ static bool compute_bounds(duet_motion *m, duet_error *err)
 {
     altered_forget(&m->altered);
     product_renew(&m->products, PRODUCT_BOUNDS);
-    return motion_launch(m, "grid", m->kernels.compute_fat_aabbs, m->n, err);
+    return motion_launch(m, COMPUTE_FAT_AABBS, err);
 }
 
 bool motion_make_bounds(duet_motion *m, duet_error *err)
 {
-    bool checks = m->kernels.check_fat_aabbs && !product_is_forgotten(&m->products, PRODUCT_BOUNDS);
+    bool checks =
+        m->kernels.of[CHECK_FAT_AABBS] && !product_is_forgotten(&m->products, PRODUCT_BOUNDS);
     return (!checks || keep_bounds(m, err)) &&
            (product_is_right(&m->products, PRODUCT_BOUNDS) || compute_bounds(m, err));
 }
@@ -78,16 +78,15 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
                            (unsigned long long)m->step);
 }
 
-// Contacts that rows may have: pairs, walls and the ground.
-static uint64_t most_contacts(const duet_motion *m, uint64_t pairs)
+uint64_t motion_most_contacts(const duet_motion *m, uint64_t pairs)
 {
-    return pairs + (m->kernels.contact_graph_walls ? 6 * (uint64_t)m->n : 0) +
-           (m->kernels.contact_graph_ground ? GROUND_CONTACTS * (uint64_t)m->n : 0);
+    return pairs + (m->kernels.of[CONTACT_GRAPH_WALLS] ? 6 * (uint64_t)m->n : 0) +
+           (m->kernels.of[CONTACT_GRAPH_GROUND] ? GROUND_CONTACTS * (uint64_t)m->n : 0);
 }
 
 static bool note_pairs(duet_motion *m, uint64_t n, const buffer *pairs, duet_error *err)
 {
-    const uint64_t most = most_contacts(m, n);
+    const uint64_t most = motion_most_contacts(m, n);
     if (most >= UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu pairs of bounds, and a motion holds %u",
                          (unsigned long long)most, UINT32_MAX - 1);
@@ -144,20 +143,17 @@ void motion_refit_grid(duet_motion *m)
 // Counts (fill 0) or writes (fill 1) what each object may touch.
 static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 {
-    const motion_kernels *k = &m->kernels;
     m->graph.fill = fill;
-    return motion_launch(m, "contact_graph", k->contact_graph_pairs, m->graph.n_pairs, err) &&
-           (!k->contact_graph_walls ||
-            motion_launch(m, "contact_graph", k->contact_graph_walls, m->n, err)) &&
-           (!k->contact_graph_ground ||
-            motion_launch(m, "contact_graph", k->contact_graph_ground, m->n, err));
+    return motion_launch(m, CONTACT_GRAPH_PAIRS, err) &&
+           motion_launch(m, CONTACT_GRAPH_WALLS, err) &&
+           motion_launch(m, CONTACT_GRAPH_GROUND, err);
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)
 {
     m->graph.row_starts = m->buffers[starts];
     m->graph.row_values = m->buffers[values];
-    return motion_launch(m, "contact_graph", m->kernels.contact_graph_sort, m->n, err);
+    return motion_launch(m, CONTACT_GRAPH_SORT, err);
 }
 
 static bool scan_starts(duet_motion *m, motion_buffer starts, duet_error *err)
@@ -177,22 +173,21 @@ static bool clear_starts(duet_motion *m, motion_buffer starts, duet_error *err)
 enum { ROWS_STAGES = 3, ROWS_LEAST = 256 };
 
 //   most  values of all rows
-static bool make_by_team(duet_motion *m, const kernel *k, uint32_t work, uint64_t most,
+static bool make_by_team(duet_motion *m, motion_kernel k, uint32_t work, uint64_t most,
                          duet_error *err)
 {
     const uint64_t counts = (uint64_t)TEAM_MOST * ROW_PARTS * ROW_BUCKETS + ROW_BUCKETS + 1;
     return motion_reserve(m, LIST_SPARE, most + 1, sizeof(uint32_t), err) &&
            motion_reserve(m, LIST_KEYS_SPARE, most + 1, sizeof(uint32_t), err) &&
            motion_reserve(m, ROW_COUNTS, counts, sizeof(uint32_t), err) &&
-           team_launch(m, "contact_graph", k, work > m->n ? work : m->n, ROWS_LEAST, ROWS_STAGES,
-                       err);
+           team_launch(m, k, work > m->n ? work : m->n, ROWS_LEAST, ROWS_STAGES, err);
 }
 
 static bool put_rows(duet_motion *m, duet_error *err)
 {
-    const kernel *k = m->kernels.make_rows;
-    if (k && k->groups == GROUPS_TEAM)
-        return make_by_team(m, k, m->graph.n_pairs, most_contacts(m, m->graph.n_pairs), err);
+    if (motion_has_team(m, MAKE_ROWS))
+        return make_by_team(m, MAKE_ROWS, m->graph.n_pairs,
+                            motion_most_contacts(m, m->graph.n_pairs), err);
     return clear_starts(m, STARTS, err) && put_all(m, 0, err) && scan_starts(m, STARTS, err) &&
            put_all(m, 1, err) && sort_rows(m, STARTS, OTHERS, err);
 }
@@ -208,7 +203,7 @@ static bool fill_rows(duet_motion *m, duet_error *err)
 static bool put_returns(duet_motion *m, uint32_t fill, duet_error *err)
 {
     m->graph.fill = fill;
-    return motion_launch(m, "contact_graph", m->kernels.contact_graph_reverse, m->n, err);
+    return motion_launch(m, CONTACT_GRAPH_REVERSE, err);
 }
 
 static bool reserve_contacts(duet_motion *m, duet_error *err)
@@ -224,42 +219,36 @@ static bool reserve_contacts(duet_motion *m, duet_error *err)
 
 static bool fill_returns(duet_motion *m, duet_error *err)
 {
-    const kernel *k = m->kernels.make_returns;
     if (!reserve_contacts(m, err))
         return false;
-    if (k && k->groups == GROUPS_TEAM)
-        return make_by_team(m, k, m->graph.n_contacts, m->graph.n_contacts, err);
+    if (motion_has_team(m, MAKE_RETURNS))
+        return make_by_team(m, MAKE_RETURNS, m->graph.n_contacts, m->graph.n_contacts, err);
     return clear_starts(m, RETURN_STARTS, err) && put_returns(m, 0, err) &&
            scan_starts(m, RETURN_STARTS, err) && put_returns(m, 1, err) &&
            sort_rows(m, RETURN_STARTS, RETURNS, err);
-}
-
-static bool match_contacts(duet_motion *m, uint32_t n_old, duet_error *err)
-{
-    m->graph.n_old = n_old;
-    return motion_launch(m, "match_contacts", m->kernels.match_contacts, n_old, err);
 }
 
 // Whether rows have no contacts and had none before.
 static bool stay_empty(const duet_motion *m)
 {
     return m->graph.n_without > 0 && m->graph.n_without == m->n &&
-           product_was_made(&m->products, PRODUCT_ROWS) && most_contacts(m, m->graph.n_pairs) == 0;
+           product_was_made(&m->products, PRODUCT_ROWS) &&
+           motion_most_contacts(m, m->graph.n_pairs) == 0;
 }
 
 // The contacts before are matched with the new ones, which have other places in the list by colour.
 static bool make_rows(duet_motion *m, duet_error *err)
 {
-    const uint64_t most = most_contacts(m, m->graph.n_pairs);
-    uint32_t n_old = m->graph.n_contacts;
+    const uint64_t most = motion_most_contacts(m, m->graph.n_pairs);
     buffer *b = m->buffers;
     m->graph.n_without = 0;
+    m->graph.n_old = m->graph.n_contacts;
     buffer_swap(&b[LINKS], &b[OLD_LINKS]);
     buffer_swap(&b[CONTACTS], &b[OLD_CONTACTS]);
     buffer_swap(&b[TOUCHES], &b[OLD_TOUCHES]);
     buffer_swap(&b[COLOUR_OF], &b[OLD_COLOURS]);
     return motion_reserve(m, OTHERS, most + 1, sizeof(uint32_t), err) && fill_rows(m, err) &&
-           fill_returns(m, err) && match_contacts(m, n_old, err);
+           fill_returns(m, err) && motion_launch(m, MATCH_CONTACTS, err);
 }
 
 bool motion_make_rows(duet_motion *m, duet_error *err)

@@ -22,6 +22,9 @@ bool motion_make_bounds(duet_motion *m, duet_error *err);
 bool motion_make_pairs(duet_motion *m, duet_error *err);
 bool motion_make_rows(duet_motion *m, duet_error *err);
 
+// Returns how many contacts rows of so many pairs may have at most, with walls and the ground.
+uint64_t motion_most_contacts(const duet_motion *m, uint64_t pairs);
+
 // Takes the result of the last search of all bodies. Returns false if there was none since the last
 // call.
 bool motion_take_search(duet_motion *m, duet_result *search);
@@ -30,8 +33,7 @@ bool motion_take_search(duet_motion *m, duet_result *search);
 void motion_refit_grid(duet_motion *m);
 
 // Sends a check that sets FLAG_MOVED if a body has left its bounds, of all bodies or of the listed
-// ones; once flags are read, notes in
-// the products whether bounds hold.
+// ones; once flags are read, notes in the products whether bounds hold.
 bool motion_check_bounds(duet_motion *m, bool of_all, duet_error *err);
 void motion_note_bounds(duet_motion *m);
 

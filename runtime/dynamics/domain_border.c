@@ -25,18 +25,6 @@ typedef struct border_row {
     cl_uint row, owner, other, colour;
 } border_row;
 
-static bool build(duet_motion *m, duet_error *err)
-{
-    motion_border *b = &m->border;
-    const kernel_request list[] = {
-        {&b->mark_border, true, "border", "mark_border", motion_bindings},
-        {&b->choose_inner, true, "border", "choose_inner", motion_bindings},
-        {&b->count_border, true, "border", "count_border", motion_bindings},
-        {&b->list_border, true, "border", "list_border", motion_bindings},
-    };
-    return b->list_border || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
-}
-
 bool domain_mark_places(duet_motion *m, const domain_place *places, duet_error *err)
 {
     const size_t n = (size_t)m->n + FIXED;
@@ -60,9 +48,8 @@ static bool count_listed(duet_motion *m, uint32_t listed, cl_uint *n, duet_error
     const uint32_t all = m->graph.n_contacts;
     buffer *starts = &m->buffers[BORDER_STARTS];
     m->border.listed = listed;
-    return build(m, err) &&
-           motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
-           motion_launch(m, stage, m->border.count_border, (uint64_t)all + 1, err) &&
+    return motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
+           motion_launch(m, COUNT_BORDER, err) &&
            scan_run(&m->graph.scan, &m->times, stage, starts, starts, all + 1, err) &&
            motion_start_flags(m, err) &&
            motion_fetch(m, stage, BORDER_STARTS, all * sizeof *n, n, sizeof *n, err);
@@ -91,7 +78,7 @@ static void take(domain_contacts *c, const border_row *rows)
 static bool list(duet_motion *m, uint32_t n, duet_error *err)
 {
     return n == 0 || (motion_reserve(m, BORDER, n, sizeof(border_row), err) &&
-                      motion_launch(m, stage, m->border.list_border, m->graph.n_contacts, err));
+                      motion_launch(m, LIST_BORDER, err));
 }
 
 static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
@@ -143,8 +130,7 @@ bool domain_list_ghosts(duet_motion *m, uint32_t *n, duet_error *err)
 bool domain_mark_border(duet_motion *m, duet_error *err)
 {
     return m->n == 0 || m->graph.n_contacts == 0 ||
-           (build(m, err) && clear_choices(m, err) &&
-            motion_launch(m, stage, m->border.mark_border, m->graph.n_contacts, err));
+           (clear_choices(m, err) && motion_launch(m, MARK_BORDER, err));
 }
 
 // ---------------------------------------------------------------- contacts that stay
@@ -152,13 +138,8 @@ bool domain_mark_border(duet_motion *m, duet_error *err)
 bool domain_keep_contacts(duet_motion *m, const uint32_t *moved, duet_error *err)
 {
     const size_t n = (size_t)m->n + FIXED;
-    const kernel_request list[] = {
-        {&m->border.keep_contacts, true, "keep_contacts", "keep_contacts", motion_bindings},
-    };
-    return (m->border.keep_contacts || motion_build_kernels(m, list, 1, false, err)) &&
-           motion_reserve(m, MOVED_TO, n, sizeof *moved, err) &&
+    return motion_reserve(m, MOVED_TO, n, sizeof *moved, err) &&
            timeline_write_at(&m->times, stage, &m->buffers[MOVED_TO], 0, moved, n * sizeof *moved,
                              err) &&
-           motion_launch(m, stage, m->border.keep_contacts, m->graph.n_contacts, err) &&
-           timeline_finish(&m->times, err);
+           motion_launch(m, KEEP_CONTACTS, err) && timeline_finish(&m->times, err);
 }

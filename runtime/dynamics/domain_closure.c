@@ -7,21 +7,6 @@
 
 static const char stage[] = "closure";
 
-static bool build(duet_motion *m, duet_error *err)
-{
-    motion_border *b = &m->border;
-    const kernel_request list[] = {
-        {&b->begin_ghosts, true, "closure", "begin_ghosts", motion_bindings},
-        {&b->note_kept, true, "closure", "note_kept", motion_bindings},
-        {&b->note_lacks, true, "closure", "note_lacks", motion_bindings},
-        {&b->take_needed, true, "closure", "take_needed", motion_bindings},
-        {&b->take_own, true, "closure", "take_own", motion_bindings},
-        {&b->end_contacts, true, "closure", "end_contacts", motion_bindings},
-        {&b->end_ghosts, true, "closure", "end_ghosts", motion_bindings},
-    };
-    return b->end_ghosts || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
-}
-
 static bool has_contacts(const duet_motion *m)
 {
     return m->n > 0 && m->graph.n_contacts > 0;
@@ -37,11 +22,10 @@ bool domain_reserve_ghosts(duet_motion *m, duet_error *err)
 
 static bool begin(duet_motion *m, duet_error *err)
 {
-    return build(m, err) && motion_reserve(m, CLOSING, CLOSING_WORDS, sizeof(cl_uint), err) &&
+    return motion_reserve(m, CLOSING, CLOSING_WORDS, sizeof(cl_uint), err) &&
            motion_clear(m, stage, CLOSING, 0, CLOSING_WORDS, err) &&
-           motion_launch(m, stage, m->border.begin_ghosts, m->n, err) &&
-           domain_list_ghosts(m, &m->border.n_border, err) &&
-           motion_launch(m, stage, m->border.note_kept, m->border.n_border, err);
+           motion_launch(m, BEGIN_GHOSTS, err) && domain_list_ghosts(m, &m->border.n_border, err) &&
+           motion_launch(m, NOTE_KEPT, err);
 }
 
 // From the last colour back: each colour is one after which ghosts may have to come.
@@ -56,8 +40,7 @@ static bool take_needed(duet_motion *m, duet_error *err)
         --n;
     for (uint32_t colour = n; ok && colour-- > 0;) {
         b->closing_colour = colour;
-        ok = motion_launch(m, stage, b->note_lacks, m->n, err) &&
-             motion_launch(m, stage, b->take_needed, b->n_border, err);
+        ok = motion_launch(m, NOTE_LACKS, err) && motion_launch(m, TAKE_NEEDED, err);
     }
     return ok;
 }
@@ -65,7 +48,7 @@ static bool take_needed(duet_motion *m, duet_error *err)
 static bool take_own(duet_motion *m, uint32_t from, duet_error *err)
 {
     m->border.closing_colour = from;
-    return motion_launch(m, stage, m->border.take_own, m->border.n_border, err);
+    return motion_launch(m, TAKE_OWN, err);
 }
 
 // If ghosts come after each colour, only contacts of own ends are solved.
@@ -83,22 +66,11 @@ bool domain_close(duet_motion *m, uint32_t every, duet_error *err)
     m->border.every = every;
     m->border.n_border = 0;
     return !has_contacts(m) ||
-           (begin(m, err) && find_solved(m, err) &&
-            motion_launch(m, stage, m->border.end_contacts, m->border.n_border, err) &&
-            motion_launch(m, stage, m->border.end_ghosts, m->n, err));
+           (begin(m, err) && find_solved(m, err) && motion_launch(m, END_CONTACTS, err) &&
+            motion_launch(m, END_GHOSTS, err));
 }
 
 // ---------------------------------------------------------------- contacts that are asked for
-
-static bool build_asked(duet_motion *m, duet_error *err)
-{
-    motion_border *b = &m->border;
-    const kernel_request list[] = {
-        {&b->read_asked, true, "asked_contacts", "read_asked", motion_bindings},
-        {&b->take_asked, true, "asked_contacts", "take_asked", motion_bindings},
-    };
-    return b->take_asked || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
-}
 
 size_t domain_asked_bytes(const duet_motion *m)
 {
@@ -109,7 +81,7 @@ static bool send_asked(duet_motion *m, const asked_contact *asked, uint32_t n, d
 {
     m->reading.n_ids = n;
     m->reading.row_words = m->layout.record;
-    return build_asked(m, err) && motion_reserve(m, ASKED, n, sizeof *asked, err) &&
+    return motion_reserve(m, ASKED, n, sizeof *asked, err) &&
            motion_reserve(m, GATHERED, n, domain_asked_bytes(m), err) &&
            timeline_write_at(&m->times, stage, &m->buffers[ASKED], 0, asked, n * sizeof *asked,
                              err);
@@ -118,9 +90,8 @@ static bool send_asked(duet_motion *m, const asked_contact *asked, uint32_t n, d
 bool domain_read_asked(duet_motion *m, const asked_contact *asked, uint32_t n, void *rows,
                        duet_error *err)
 {
-    return n == 0 ||
-           (send_asked(m, asked, n, err) && motion_launch(m, stage, m->border.read_asked, n, err) &&
-            motion_fetch(m, stage, GATHERED, 0, rows, n * domain_asked_bytes(m), err));
+    return n == 0 || (send_asked(m, asked, n, err) && motion_launch(m, READ_ASKED, err) &&
+                      motion_fetch(m, stage, GATHERED, 0, rows, n * domain_asked_bytes(m), err));
 }
 
 bool domain_take_asked(duet_motion *m, const asked_contact *asked, uint32_t n, const void *rows,
@@ -129,8 +100,7 @@ bool domain_take_asked(duet_motion *m, const asked_contact *asked, uint32_t n, c
     return n == 0 || (send_asked(m, asked, n, err) &&
                       timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, rows,
                                         n * domain_asked_bytes(m), err) &&
-                      motion_launch(m, stage, m->border.take_asked, n, err) &&
-                      timeline_finish(&m->times, err));
+                      motion_launch(m, TAKE_ASKED, err) && timeline_finish(&m->times, err));
 }
 
 bool domain_count_closed(duet_motion *m, domain_closed *found, duet_error *err)

@@ -169,9 +169,8 @@ bool domain_find_contacts(duet_motion *m, duet_error *err);
 bool domain_begin_step(duet_motion *m, duet_error *err);
 bool domain_find_manifolds(duet_motion *m, duet_error *err); // of it
 
-// Find which bodies sleep from now on (ASLEEP), read the flags, and find manifolds of what woke;
-// `fell`: something fell asleep or woke in any domain.
-bool domain_update_sleep(duet_motion *m, duet_error *err);
+// Once bodies know whether they sleep (UPDATE_SLEEP, ASLEEP), read the flags, and find manifolds of
+// what woke; `fell`: something fell asleep or woke in any domain.
 bool domain_read_flags(duet_motion *m, duet_error *err);
 bool domain_wake_touched(duet_motion *m, bool fell, duet_error *err);
 
@@ -267,11 +266,10 @@ bool domain_count_closed(duet_motion *m, domain_closed *found, duet_error *err);
 bool domain_take_colours(duet_motion *m, uint32_t least_inner, duet_error *err);
 bool domain_prepare_contacts(duet_motion *m, duet_error *err);
 
-// A substep: velocities, contacts as soft springs, positions, contacts relaxed. With shocks, before
-// the contacts, sweeps come, up to SHOCK_SWEEPS, until none in any domain bounced; after all
-// substeps restitution, which is of contacts, too.
-bool domain_integrate_velocities(duet_motion *m, duet_error *err);
-bool domain_integrate_positions(duet_motion *m, duet_error *err);
+// A substep: velocities (INTEGRATE_VELOCITIES), contacts as soft springs, positions
+// (INTEGRATE_POSITIONS), contacts relaxed. With shocks, before the contacts, sweeps come, up to
+// SHOCK_SWEEPS, until none in any domain bounced; after all substeps restitution, which is of
+// contacts, too.
 bool domain_end_sweep(duet_motion *m, bool *bounced, duet_error *err);
 
 // A pass does one of these to contacts: to a colour's inner ones; then to those of colours
@@ -287,9 +285,9 @@ bool domain_solve_in_order(duet_motion *m, domain_pass pass, uint32_t i, duet_er
 bool domain_store_impulses(duet_motion *m, duet_error *err);
 bool domain_finalize(duet_motion *m, duet_error *err);
 
-// Push bodies that sleep deep in others: so many rounds (PRESSED_ROUNDS), and then all go.
+// Pushes bodies that sleep deep in others, in rounds from 0; in round PRESSED_ROUNDS all go where
+// those before it brought them.
 bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err);
-bool domain_move_sleepers(duet_motion *m, duet_error *err);
 
 bool domain_end_step(duet_motion *m, duet_error *err);
 

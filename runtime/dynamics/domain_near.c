@@ -13,17 +13,6 @@ static const char stage[] = "domain";
 
 static_assert(sizeof(domain_near) == NEAR_WORDS * sizeof(cl_uint), "a row of near");
 
-static bool build(duet_motion *m, duet_error *err)
-{
-    motion_border *b = &m->border;
-    const kernel_request list[] = {
-        {&b->list_near, true, "list_near", "list_near", motion_bindings},
-        {&b->list_meeting, true, "list_near", "list_meeting", motion_bindings},
-        {&b->make_far_boxes, true, "list_near", "make_far_boxes", motion_bindings},
-    };
-    return b->list_near || motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
-}
-
 static bool send_extents(duet_motion *m, const float *extents, uint32_t n, duet_error *err)
 {
     const size_t bytes = n * 6 * sizeof *extents;
@@ -35,24 +24,23 @@ static bool send_extents(duet_motion *m, const float *extents, uint32_t n, duet_
 // ---------------------------------------------------------------- the list
 
 // The first row tells of the others.
-static bool run(duet_motion *m, const kernel *k, domain_near *head, duet_error *err)
+static bool run(duet_motion *m, motion_kernel which, domain_near *head, duet_error *err)
 {
     const uint64_t rows = (uint64_t)m->border.near_capacity + 1;
     return motion_reserve(m, NEAR, rows, sizeof *head, err) &&
-           motion_clear(m, stage, NEAR, 0, NEAR_WORDS, err) &&
-           motion_launch(m, stage, k, m->n, err) &&
+           motion_clear(m, stage, NEAR, 0, NEAR_WORDS, err) && motion_launch(m, which, err) &&
            motion_fetch(m, stage, NEAR, 0, head, sizeof *head, err);
 }
 
 // Its place is the number of bodies.
-static bool run_with_room(duet_motion *m, const kernel *k, domain_near *head, duet_error *err)
+static bool run_with_room(duet_motion *m, motion_kernel which, domain_near *head, duet_error *err)
 {
-    if (!run(m, k, head, err))
+    if (!run(m, which, head, err))
         return false;
     if (head->place <= m->border.near_capacity)
         return true;
     m->border.near_capacity = head->place + head->place / 4;
-    return run(m, k, head, err);
+    return run(m, which, head, err);
 }
 
 static bool fetch(duet_motion *m, uint32_t n, domain_near **list, duet_error *err)
@@ -69,9 +57,8 @@ bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_n
 {
     domain_near head = {0};
     *list = NULL;
-    bool ok = m->n == 0 ||
-              (domain_make_bounds(m, err) && build(m, err) && send_extents(m, extents, n, err) &&
-               run_with_room(m, m->border.list_near, &head, err));
+    bool ok = m->n == 0 || (domain_make_bounds(m, err) && send_extents(m, extents, n, err) &&
+                            run_with_room(m, LIST_NEAR, &head, err));
     *n_list = head.place;
     return ok && fetch(m, *n_list, list, err);
 }
@@ -99,8 +86,8 @@ static void read_reach(const domain_near *head, float reach[6])
 
 bool domain_keep_far_boxes(duet_motion *m, duet_error *err)
 {
-    return !(m->effects & DUET_EFFECT_CONTACT) || m->border.make_far_boxes ||
-           (build(m, err) && motion_grow_rows(m, FAR_BOXES, 0, err));
+    return !(m->effects & DUET_EFFECT_CONTACT) || m->kernels.of[MAKE_FAR_BOXES] ||
+           (motion_build_ahead(m, MAKE_FAR_BOXES, err) && motion_grow_rows(m, FAR_BOXES, 0, err));
 }
 
 bool domain_make_far_boxes(duet_motion *m, const domain_far *far, float reach[6],
@@ -111,9 +98,9 @@ bool domain_make_far_boxes(duet_motion *m, const domain_far *far, float reach[6]
     m->border.far_time = far->time;
     m->border.far_margin = far->margin;
     domain_forget_bounds(m); // others than those that the next step makes
-    bool ok = m->n == 0 || (domain_keep_far_boxes(m, err) && domain_make_bounds(m, err) &&
-                            send_extents(m, far->home, 1, err) &&
-                            run_with_room(m, m->border.make_far_boxes, &head, err));
+    bool ok = m->n == 0 ||
+              (domain_keep_far_boxes(m, err) && domain_make_bounds(m, err) &&
+               send_extents(m, far->home, 1, err) && run_with_room(m, MAKE_FAR_BOXES, &head, err));
     read_reach(&head, reach);
     *n_list = head.place;
     return ok && fetch(m, *n_list, list, err);
@@ -125,8 +112,7 @@ bool domain_list_meeting(duet_motion *m, const float *extents, uint32_t n, domai
     domain_near head = {0};
     *list = NULL;
     bool ok = m->n == 0 || n == 0 ||
-              (build(m, err) && send_extents(m, extents, n, err) &&
-               run_with_room(m, m->border.list_meeting, &head, err));
+              (send_extents(m, extents, n, err) && run_with_room(m, LIST_MEETING, &head, err));
     *n_list = head.place;
     return ok && fetch(m, *n_list, list, err);
 }

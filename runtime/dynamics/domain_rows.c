@@ -71,18 +71,6 @@ static bool copy_in_place(duet_motion *m, const some_rows *s, char *packed, bool
 
 // ---------------------------------------------------------------- by the device
 
-static bool build(duet_motion *m, duet_error *err)
-{
-    motion_reading *r = &m->reading;
-    const kernel_request list[] = {
-        {&r->pack_rows, true, "row_parts", "pack_rows", motion_bindings},
-        {&r->unpack_rows, true, "row_parts", "unpack_rows", motion_bindings},
-        {&r->move_rows, true, "row_parts", "move_rows", motion_bindings},
-    };
-    return (r->pack_rows && r->unpack_rows && r->move_rows) ||
-           motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
-}
-
 // Places that no list has told of are sent with their rows.
 static bool send_ids(duet_motion *m, const domain_ids *ids, duet_error *err)
 {
@@ -102,8 +90,8 @@ static bool prepare(duet_motion *m, const some_rows *s, duet_error *err)
 {
     motion_reading *r = &m->reading;
     const row_parts *p = &s->parts;
-    bool ok = build(m, err) && motion_reserve(m, GATHERED, s->ids.n, packed_bytes(s), err) &&
-              send_ids(m, &s->ids, err);
+    bool ok =
+        motion_reserve(m, GATHERED, s->ids.n, packed_bytes(s), err) && send_ids(m, &s->ids, err);
     r->rows = m->buffers[s->which];
     r->row_words = s->words;
     r->of_four = taken_of_four(p);
@@ -117,7 +105,7 @@ static bool pack(duet_motion *m, const some_rows *s, void *packed, duet_error *e
     if (m->buffers[s->which].host)
         return copy_in_place(m, s, packed, false, err);
     return s->ids.n == 0 ||
-           (prepare(m, s, err) && motion_launch(m, stage, m->reading.pack_rows, s->ids.n, err) &&
+           (prepare(m, s, err) && motion_launch(m, PACK_ROWS, err) &&
             motion_fetch(m, stage, GATHERED, 0, packed, s->ids.n * packed_bytes(s), err));
 }
 
@@ -129,7 +117,7 @@ static bool unpack(duet_motion *m, const some_rows *s, void *packed, duet_error 
     return s->ids.n == 0 || (prepare(m, s, err) &&
                              timeline_write_at(&m->times, stage, &m->buffers[GATHERED], 0, packed,
                                                s->ids.n * packed_bytes(s), err) &&
-                             motion_launch(m, stage, m->reading.unpack_rows, s->ids.n, err));
+                             motion_launch(m, UNPACK_ROWS, err));
 }
 
 // Rows of the host's memory are written in place.
@@ -149,7 +137,7 @@ static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_erro
         return false;
     m->reading.rows = m->buffers[which];
     m->reading.row_words = words;
-    if (!motion_launch(m, stage, m->reading.move_rows, n, err))
+    if (!motion_launch(m, MOVE_ROWS, err))
         return false;
     buffer_swap(&m->buffers[which], &m->buffers[GATHERED]);
     return true;
@@ -159,7 +147,7 @@ bool domain_move_rows(duet_motion *m, const motion_buffer *list, int n_list, con
                       uint32_t n, duet_error *err)
 {
     bool ok =
-        build(m, err) && motion_reserve(m, READ_IDS, n, sizeof *from, err) &&
+        motion_reserve(m, READ_IDS, n, sizeof *from, err) &&
         timeline_write_at(&m->times, stage, &m->buffers[READ_IDS], 0, from, n * sizeof *from, err);
     m->reading.n_ids = n;
     for (int i = 0; ok && i < n_list; ++i)
@@ -210,22 +198,14 @@ bool domain_list_ids(duet_motion *m, motion_buffer which, uint32_t at, const uin
                              n * sizeof *places, err);
 }
 
-static bool build_used(duet_motion *m, duet_error *err)
-{
-    const kernel_request list[] = {
-        {&m->border.used_colours, true, "border", "used_colours", motion_bindings},
-    };
-    return m->border.used_colours || motion_build_kernels(m, list, 1, false, err);
-}
-
 bool domain_pack_used(duet_motion *m, const domain_ids *ids, uint32_t *used, duet_error *err)
 {
     const size_t bytes = ids->n * sizeof *used;
     memset(used, 0, bytes);
     if (ids->n == 0 || m->graph.n_contacts == 0 || !product_is_right(&m->products, PRODUCT_ROWS))
         return true;
-    return build_used(m, err) && motion_reserve(m, GATHERED, ids->n, sizeof *used, err) &&
-           send_ids(m, ids, err) && motion_launch(m, stage, m->border.used_colours, ids->n, err) &&
+    return motion_reserve(m, GATHERED, ids->n, sizeof *used, err) && send_ids(m, ids, err) &&
+           motion_launch(m, USED_COLOURS, err) &&
            motion_fetch(m, stage, GATHERED, 0, used, bytes, err);
 }
 

@@ -55,7 +55,7 @@ static bool has_rows(const duet_motion *m, motion_buffer which)
     const uint32_t effect = by_object[which].effect, also = by_object[which].also;
     if (which == CELLS)
         return m->cells;
-    if (which == FAR_BOXES && !m->border.make_far_boxes)
+    if (which == FAR_BOXES && !m->kernels.of[MAKE_FAR_BOXES])
         return false;
     return also == DUET_EFFECT_ALL || (m->effects & (effect | also));
 }

@@ -123,14 +123,8 @@ struct duet_motion {
     uint64_t hashed_step;      // the last of them whose hash is, too, or that it begins with
 };
 
-// Sends a kernel over so many bodies, pairs or contacts; fills words [from, to) of a buffer with 0;
-// reads bytes of one from byte `at`, which waits for all that was launched.
-static inline bool motion_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work,
-                                 duet_error *err)
-{
-    return timeline_launch(&m->times, stage, k, work, m, err);
-}
-
+// Fills words [from, to) of a buffer with 0; reads bytes of one from byte `at`, which waits for all
+// that was launched.
 static inline bool motion_clear(duet_motion *m, const char *stage, motion_buffer which, size_t from,
                                 size_t to, duet_error *err)
 {

@@ -71,10 +71,9 @@ enum { N_SKINS = sizeof skins / sizeof skins[0] };
 // The one that the motion has built; NULL if it has none of that name.
 static const kernel *find_kernel(const duet_motion *m, const char *name)
 {
-    const kernel *const *all = (const kernel *const *)&m->kernels;
-    for (size_t i = 0; i < sizeof m->kernels / sizeof *all; ++i)
-        if (kernel_is(all[i], name))
-            return all[i];
+    for (int i = 0; i < MOTION_KERNELS; ++i)
+        if (kernel_is(m->kernels.of[i], name))
+            return m->kernels.of[i];
     return NULL;
 }
 
@@ -102,10 +101,10 @@ bool motion_kernel_spaces(duet_motion *m, kernel_spaces *to, duet_error *err)
     uint32_t n_offers = motion_offers(m, false, offers);
     // Kernels that share the blocks have one size of them.
     offers[n_offers++] = (gen_offer){NULL, "BLOCK", m->layout.block, GEN_OFFERED, NULL};
-    if (m->kernels.prepare_contacts)
+    if (m->kernels.of[PREPARE_CONTACTS])
         offers[n_offers++] =
             (gen_offer){"prepare_contacts", "LANES",
-                        kernel_param(m->kernels.prepare_contacts, "LANES"), GEN_OFFERED, NULL};
+                        kernel_param(m->kernels.of[PREPARE_CONTACTS], "LANES"), GEN_OFFERED, NULL};
     const kernel_space_source from = {m->gen, program_set_limits(m->programs), offers, n_offers};
     bool ok = true;
     for (int i = 0; ok && i < MOTION_PLAN_KERNELS; ++i) {

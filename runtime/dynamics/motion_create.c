@@ -151,13 +151,13 @@ static void infer(duet_motion *m)
 
 bool motion_open(duet_motion *m, duet_error *err)
 {
-    bool ok = open_device(m, err) &&
-              motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
-              open_world(m, err) &&
-              (!(m->effects & DUET_EFFECT_GROUND) || ground_send(&m->ground, m->device, err)) &&
-              motion_prepare(m, err) &&
-              (!(m->effects & DUET_EFFECT_SKIN) || motion_prepare_altered(m, err)) &&
-              motion_reset(m, err);
+    bool ok =
+        open_device(m, err) && motion_plan_read(&m->plan, &m->def.plan, &m->device->info, err) &&
+        open_world(m, err) &&
+        (!(m->effects & DUET_EFFECT_GROUND) || ground_send(&m->ground, m->device, err)) &&
+        motion_prepare(m, err) &&
+        (!(m->effects & DUET_EFFECT_SKIN) || motion_build_ahead(m, COMPUTE_ALTERED_AABBS, err)) &&
+        motion_reset(m, err);
     if (ok)
         motion_plan_note(m);
     return ok;

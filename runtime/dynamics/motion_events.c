@@ -25,12 +25,6 @@ void motion_forget_events(motion_events *e)
     e->links_of = 0;
 }
 
-bool motion_tells_hits(const duet_motion *m)
-{
-    return (m->effects & DUET_EFFECT_EVENTS) && (m->effects & DUET_EFFECT_CONTACT_RESPONSE) &&
-           m->def.hit_speed > 0.0;
-}
-
 static bool is_told(const duet_motion *m, duet_pair p)
 {
     uint32_t groups = m->bodies[p.a].group | (p.b < m->n ? m->bodies[p.b].group : 0);
@@ -105,15 +99,16 @@ bool motion_note_events(duet_motion *m, duet_error *err)
 {
     uint64_t n = m->graph.n_contacts, n_words = (n + 31) / 32;
     bool hits = motion_tells_hits(m);
-    return !m->kernels.contact_events ||
+    return !m->kernels.of[CONTACT_EVENTS] ||
            (motion_reserve(m, TOUCHING, n_words + 1, sizeof(uint32_t), err) &&
             (!hits || motion_reserve(m, HITS, n + 1, HIT_WORDS * sizeof(uint32_t), err)) &&
-            motion_launch(m, "events", m->kernels.contact_events, n_words, err));
+            motion_launch(m, CONTACT_EVENTS, err));
 }
 
 bool motion_recall_events(duet_motion *m, duet_error *err)
 {
-    return !m->kernels.contact_events || m->told.links_of == m->products.of[PRODUCT_ROWS].stamp ||
+    return !m->kernels.of[CONTACT_EVENTS] ||
+           m->told.links_of == m->products.of[PRODUCT_ROWS].stamp ||
            (motion_note_events(m, err) && fetch_touching(m, err));
 }
 
@@ -226,7 +221,7 @@ bool domain_note_events(duet_motion *m, duet_error *err)
 
 bool domain_list_touching(duet_motion *m, duet_error *err)
 {
-    return m->n == 0 || !m->kernels.contact_events || fetch_touching(m, err);
+    return m->n == 0 || !m->kernels.of[CONTACT_EVENTS] || fetch_touching(m, err);
 }
 
 static bool mark_told(duet_motion *m, uint32_t *words, size_t n_words, uint8_t *told,
@@ -246,7 +241,7 @@ bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err)
     size_t n = m->n > 0 ? m->graph.n_contacts : 0, n_words = (n + 31) / 32;
     memset(told, 0, n);
     m->told.links.n = 0;
-    if (!m->kernels.contact_events || n == 0)
+    if (!m->kernels.of[CONTACT_EVENTS] || n == 0)
         return true;
     uint32_t *words = malloc(n_words * sizeof *words);
     bool ok = words ? mark_told(m, words, n_words, told, err)

@@ -18,9 +18,6 @@ typedef struct motion_events {
     size_t n_hits, hit_capacity;
 } motion_events;
 
-// Whether contacts are told that closed fast.
-bool motion_tells_hits(const duet_motion *m);
-
 // Before a step: what touches, if a state was loaded.
 bool motion_recall_events(duet_motion *m, duet_error *err);
 

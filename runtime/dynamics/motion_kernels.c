@@ -11,7 +11,7 @@
 #define VALUE(name) BIND_VALUE(duet_motion, #name, args.name)
 #define VALUE_OF(part, name) BIND_VALUE(duet_motion, #name, part.name)
 
-const binding motion_bindings[] = {
+static const binding motion_bindings[] = {
 #define BUFFER(which, name, type) BIND_BUFFER(duet_motion, name, type, buffers[which]),
 #define BY_OBJECT(which, name, type, effect, also, reals, words) BUFFER(which, name, type)
 #define HIDDEN(which)
@@ -147,6 +147,12 @@ static int64_t turning_kind(const duet_motion *m)
     return !has(m, DUET_EFFECT_ANGULAR_VELOCITY) ? 0 : has(m, DUET_EFFECT_CONTINUOUS) ? 2 : 1;
 }
 
+bool motion_tells_hits(const duet_motion *m)
+{
+    return has(m, DUET_EFFECT_EVENTS) && has(m, DUET_EFFECT_CONTACT_RESPONSE) &&
+           m->def.hit_speed > 0.0;
+}
+
 #define OFFER(name, value)                  \
     {                                       \
         NULL, name, value, GEN_CAPPED, NULL \
@@ -195,6 +201,35 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
     return n + motion_plan_offer(&m->plan, offers + n);
 }
 
+// ---------------------------------------------------------------- launches
+
+static const struct {
+    const char *entry, *file, *stage;
+    bool later;
+} rows[MOTION_KERNELS] = {
+#define KERNEL(which, entry, file, wanted, stage, work) [which] = {#entry, file, stage, false},
+#define LATER(which, entry, file, stage, work) [which] = {#entry, file, stage, true},
+#include "runtime/dynamics/motion_kernels.inl"
+};
+
+static uint64_t work_of(const duet_motion *m, motion_kernel which)
+{
+    switch (which) {
+#define KERNEL(which, entry, file, wanted, stage, work) \
+    case which:                                         \
+        return work;
+#include "runtime/dynamics/motion_kernels.inl"
+    default:
+        return 0;
+    }
+}
+
+static kernel_request request_of(duet_motion *m, motion_kernel which, bool wanted)
+{
+    return (kernel_request){&m->kernels.of[which], wanted, rows[which].file, rows[which].entry,
+                            motion_bindings};
+}
+
 static bool ask(duet_motion *m, const kernel_request *list, size_t n, bool altered, duet_error *err)
 {
     gen_offer offers[MOTION_OFFERS];
@@ -202,13 +237,31 @@ static bool ask(duet_motion *m, const kernel_request *list, size_t n, bool alter
     return program_set_kernels(m->programs, list, n, offers, n_offers, err);
 }
 
-bool motion_build_kernels(duet_motion *m, const kernel_request *list, size_t n, bool altered,
-                          duet_error *err)
+bool motion_build_ahead(duet_motion *m, motion_kernel which, duet_error *err)
 {
-    bool ok = *list->at || (ask(m, list, n, altered, err) && program_set_build(m->programs, err));
+    kernel_request list[MOTION_KERNELS];
+    size_t n = 0;
+    for (int i = 0; i < MOTION_KERNELS; ++i)
+        if (rows[i].later && strcmp(rows[i].file, rows[which].file) == 0)
+            list[n++] = request_of(m, (motion_kernel)i, true);
+    bool ok =
+        ask(m, list, n, which == COMPUTE_ALTERED_AABBS, err) && program_set_build(m->programs, err);
     for (size_t i = 0; !ok && i < n; ++i)
         *list[i].at = NULL;
     return ok;
+}
+
+bool motion_launch_over(duet_motion *m, motion_kernel which, uint64_t work, duet_error *err)
+{
+    kernel *const *k = &m->kernels.of[which];
+    if (!*k && rows[which].later && !motion_build_ahead(m, which, err))
+        return false;
+    return !*k || timeline_launch(&m->times, rows[which].stage, *k, work, m, err);
+}
+
+bool motion_launch(duet_motion *m, motion_kernel which, duet_error *err)
+{
+    return motion_launch_over(m, which, work_of(m, which), err);
 }
 
 // ---------------------------------------------------------------- all of them
@@ -232,106 +285,91 @@ static motion_layout lay_out(const duet_motion *m)
     return l;
 }
 
-// An entry, and whether it is wanted, of a kernel.
-#define KERNEL(entry, wanted, name)                      \
-    {                                                    \
-        &k->entry, wanted, name, #entry, motion_bindings \
-    }
+// Asks for those that are not built later.
+static bool ask_wanted(duet_motion *m, duet_error *err)
+{
+    const bool contact = has(m, DUET_EFFECT_CONTACT);
+    const bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
+    const bool flight = has(m, DUET_EFFECT_MOTION) && !response;
+    const bool walls = contact && boundary_kind(m) == 1, ground = contact && ground_kind(m) > 0;
+    const bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
+    const bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
+    const bool cpu = m->device->info.kind == DUET_KIND_CPU;
+    const bool meets = m->device->quirks & DRIVER_MEETS;
+    // Not with shocks, nor if more bodies are always awake than a GPU's group takes.
+    const bool at_once = response && !shocks && (cpu || meets || sleep || m->n <= SOLVER_FEW);
+    const kernel_request list[] = {
+#define KERNEL(which, entry, file, wanted, stage, work) request_of(m, which, wanted),
+#define LATER(which, entry, file, stage, work)
+#include "runtime/dynamics/motion_kernels.inl"
+    };
+    return ask(m, list, sizeof list / sizeof *list, false, err);
+}
 
 static bool choose_kernels(duet_motion *m, duet_error *err)
 {
-    motion_kernels *k = &m->kernels;
-    bool contact = has(m, DUET_EFFECT_CONTACT);
-    bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
-    bool flight = has(m, DUET_EFFECT_MOTION) && !response;
-    bool walls = contact && boundary_kind(m) == 1;
-    bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
-    bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
-    bool cpu = m->device->info.kind == DUET_KIND_CPU;
-    bool meets = m->device->quirks & DRIVER_MEETS;
-    bool at_once = response && !shocks && (cpu || meets || sleep || m->n <= SOLVER_FEW);
-    const kernel_request list[] = {
-        KERNEL(integrate_free_flight, flight, "integrate_free_flight"),
-        KERNEL(compute_fat_aabbs, contact, "fat_aabbs"),
-        KERNEL(check_fat_aabbs, skin, "fat_aabbs"),
-        KERNEL(contact_graph_pairs, contact, "contact_graph"),
-        KERNEL(contact_graph_walls, walls, "contact_graph"),
-        KERNEL(contact_graph_ground, contact && ground_kind(m) > 0, "contact_graph"),
-        KERNEL(contact_graph_sort, contact, "contact_graph"),
-        KERNEL(contact_graph_reverse, contact, "contact_graph"),
-        KERNEL(make_rows, contact && cpu, "contact_graph"),
-        KERNEL(make_returns, contact && cpu, "contact_graph"),
-        KERNEL(match_contacts, contact, "match_contacts"),
-        KERNEL(build_manifolds, contact, "build_manifolds"),
-        KERNEL(mark_awake, sleep, "awake"),
-        KERNEL(spread_awake, sleep, "awake"),
-        KERNEL(count_awake, sleep, "awake"),
-        KERNEL(list_awake, sleep, "awake"),
-        KERNEL(update_sleep, sleep, "update_sleep"),
-        KERNEL(wake_touching, sleep, "update_sleep"),
-        KERNEL(push_sleepers, sleep, "update_sleep"),
-        KERNEL(move_sleepers, sleep, "update_sleep"),
-        KERNEL(contact_events, events, "contact_events"),
-        KERNEL(prepare_bodies, response, "bodies"),
-        KERNEL(integrate_velocities, response, "bodies"),
-        KERNEL(integrate_positions, response, "integrate_positions"),
-        KERNEL(finalize_bodies, response, "bodies"),
-        KERNEL(graph_colour_mark, response, "graph_colour"),
-        KERNEL(graph_colour_choose, response, "graph_colour"),
-        KERNEL(graph_colour_take, response, "graph_colour"),
-        KERNEL(graph_colour_key, response, "graph_colour"),
-        KERNEL(colour_contacts, response && (cpu || meets), "colour_contacts"),
-        KERNEL(prepare_contacts, response, "prepare_contacts"),
-        KERNEL(store_impulses, response, "prepare_contacts"),
-        KERNEL(solve_contacts, response, "solve_contacts"),
-        KERNEL(apply_restitution, response, "solve_contacts"),
-        KERNEL(solve_shocks, shocks, "solve_shocks"),
-        KERNEL(solve_substeps, at_once, "solve_substeps"),
-        KERNEL(row_start, response, "cell_start"),
-    };
     m->layout = lay_out(m);
-    if (!ask(m, list, sizeof list / sizeof *list, false, err) || !motion_plan_is_used(m, err))
+    if (!ask_wanted(m, err) || !motion_plan_is_used(m, err))
         return false;
-    if (response)
-        m->layout.block = (uint32_t)kernel_param(k->solve_contacts, "BLOCK");
+    if (has(m, DUET_EFFECT_CONTACT_RESPONSE))
+        m->layout.block = (uint32_t)kernel_param(m->kernels.of[SOLVE_CONTACTS], "BLOCK");
     return true;
 }
 
-// Whether one launch colours: by groups that meet, or by a team, unless a plan sets groups
-// for the launches.
-bool motion_colours_at_once(const duet_motion *m)
+bool motion_has_team(const duet_motion *m, motion_kernel which)
 {
-    const kernel *k = m->kernels.colour_contacts;
+    const kernel *k = m->kernels.of[which];
+    return k && k->groups == GROUPS_TEAM;
+}
+
+// Whether one launch colours: by groups that meet, or by a team, unless a plan sets groups for the
+// launches.
+static bool colours_at_once(const duet_motion *m)
+{
+    const kernel *k = m->kernels.of[COLOUR_CONTACTS];
     return k && (k->groups == GROUPS_MEET ||
-                 (k->groups == GROUPS_TEAM && m->kernels.graph_colour_mark->group == 1));
+                 (k->groups == GROUPS_TEAM && m->kernels.of[GRAPH_COLOUR_MARK]->group == 1));
 }
 
 // A plan that sets how contacts are solved is obeyed by launches of their own.
-bool motion_team_solves(const motion_kernels *k)
+static bool team_obeys(const duet_motion *m)
 {
-    return k->solve_substeps && k->solve_substeps->groups == GROUPS_TEAM &&
-           k->solve_contacts->groups == GROUPS_TEAM &&
-           kernel_param(k->solve_contacts, "LANES") == kernel_param(k->solve_substeps, "LANES");
+    return motion_has_team(m, SOLVE_CONTACTS) &&
+           kernel_param(m->kernels.of[SOLVE_CONTACTS], "LANES") ==
+               kernel_param(m->kernels.of[SOLVE_SUBSTEPS], "LANES");
 }
 
-// Launches that do all of several stages spare the kernels of each, unless a domain takes its
-// stages one by one.
-static void spare_stages(duet_motion *m)
+static void spare(const duet_motion *m, const motion_kernel *list, size_t n)
 {
-    motion_kernels *k = &m->kernels;
-    contact_solver *s = &m->solver;
-    kernel *of_solver[] = {k->prepare_contacts, k->store_impulses, k->solve_contacts,
-                           k->apply_restitution, k->integrate_positions};
-    kernel *of_colours[] = {k->graph_colour_mark, k->graph_colour_choose, k->graph_colour_take,
-                            k->graph_colour_key,  k->row_start,           s->radix.count,
-                            s->radix.move};
-    const bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE) && !m->is_domain;
-    const bool solves = response && motion_team_solves(k);
-    const bool colours = response && motion_colours_at_once(m);
-    for (size_t i = 0; solves && i < sizeof of_solver / sizeof *of_solver; ++i)
-        of_solver[i]->spare = true;
-    for (size_t i = 0; colours && i < sizeof of_colours / sizeof *of_colours; ++i)
-        of_colours[i]->spare = true;
+    for (size_t i = 0; i < n; ++i)
+        m->kernels.of[list[i]]->spare = true;
+}
+
+static void drop(duet_motion *m, motion_kernel which)
+{
+    if (m->kernels.of[which])
+        m->kernels.of[which]->spare = true;
+    m->kernels.of[which] = NULL;
+}
+
+// Launches that do all of several stages are there only if they are used, and then spare the
+// kernels of each stage, unless a domain takes its stages one by one.
+static void choose_launches(duet_motion *m)
+{
+    static const motion_kernel of_solver[] = {PREPARE_CONTACTS, STORE_IMPULSES, SOLVE_CONTACTS,
+                                              APPLY_RESTITUTION, INTEGRATE_POSITIONS};
+    static const motion_kernel of_colours[] = {GRAPH_COLOUR_MARK, GRAPH_COLOUR_CHOOSE,
+                                               GRAPH_COLOUR_TAKE, GRAPH_COLOUR_KEY, ROW_START};
+    if (!colours_at_once(m))
+        drop(m, COLOUR_CONTACTS);
+    if (motion_has_team(m, SOLVE_SUBSTEPS) && !team_obeys(m))
+        drop(m, SOLVE_SUBSTEPS);
+    if (motion_has_team(m, SOLVE_SUBSTEPS) && !m->is_domain)
+        spare(m, of_solver, sizeof of_solver / sizeof *of_solver);
+    if (m->kernels.of[COLOUR_CONTACTS] && !m->is_domain) {
+        spare(m, of_colours, sizeof of_colours / sizeof *of_colours);
+        m->solver.radix.count->spare = m->solver.radix.move->spare = true;
+    }
 }
 
 static bool choose_all(duet_motion *m, duet_error *err)
@@ -343,7 +381,7 @@ static bool choose_all(duet_motion *m, duet_error *err)
     bool ok = choose_kernels(m, err) &&
               program_set_kernels(m->programs, sorts, sizeof sorts / sizeof *sorts, NULL, 0, err);
     if (ok)
-        spare_stages(m);
+        choose_launches(m);
     return ok;
 }
 

@@ -101,11 +101,8 @@ bool motion_has_poses(const duet_motion *m, bool radii)
 
 bool motion_write_poses(duet_motion *m, bool radii, const buffer *rows, duet_error *err)
 {
-    const kernel_request write = {&m->kernels.write_poses, true, "write_poses", "write_poses",
-                                  motion_bindings};
     m->poses_to = *rows;
     m->reading.row_words =
         (radii ? sizeof(duet_rounded_box) : sizeof(duet_pose)) / sizeof(cl_float);
-    return motion_build_kernels(m, &write, 1, false, err) &&
-           motion_launch(m, "fetch", *write.at, m->n, err) && timeline_finish(&m->times, err);
+    return motion_launch(m, WRITE_POSES, err) && timeline_finish(&m->times, err);
 }

@@ -12,15 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool prepare(duet_motion *m, duet_error *err)
-{
-    const kernel_request list[] = {
-        {&m->reading.gather_rows, true, "read_rows", "gather_rows", motion_bindings},
-        {&m->reading.changed_rows, true, "read_rows", "changed_rows", motion_bindings},
-    };
-    return motion_build_kernels(m, list, sizeof list / sizeof *list, false, err);
-}
-
 // ---------------------------------------------------------------- rows
 
 // One part of a state, and where it lies there.
@@ -52,7 +43,7 @@ static uint32_t place_of(const reading *r, uint32_t i)
 static bool begin(duet_motion *m, const reading *r, duet_error *err)
 {
     return timeline_finish(&m->times, err) &&
-           (!r->ids || (prepare(m, err) && motion_reserve(m, READ_IDS, r->n, sizeof *r->ids, err) &&
+           (!r->ids || (motion_reserve(m, READ_IDS, r->n, sizeof *r->ids, err) &&
                         motion_reserve(m, GATHERED, r->n, MOST_WORDS * sizeof *r->space, err) &&
                         timeline_write_at(&m->times, "send", &m->buffers[READ_IDS], 0, r->ids,
                                           r->n * sizeof *r->ids, err)));
@@ -63,7 +54,7 @@ static bool gather(duet_motion *m, motion_buffer which, uint32_t words, uint32_t
     m->reading.rows = m->buffers[which];
     m->reading.row_words = words;
     m->reading.n_ids = n;
-    return motion_launch(m, "fetch", m->reading.gather_rows, n, err);
+    return motion_launch(m, GATHER_ROWS, err);
 }
 
 // The rows of a buffer, of so many words each; NULL after a failure.
@@ -263,7 +254,7 @@ static bool find_changed(duet_motion *m, uint32_t *words, duet_error *err)
         m->reading.rows = m->buffers[places[i].which];
         m->reading.last_rows = m->buffers[places[i].last];
         m->reading.row_words = row_words;
-        ok = ok && motion_launch(m, "moved", m->reading.changed_rows, n_words, err);
+        ok = ok && motion_launch(m, CHANGED_ROWS, err);
     }
     return ok && timeline_read(&m->times, "moved", &m->buffers[CHANGED], words,
                                n_words * sizeof *words, err);
@@ -322,7 +313,7 @@ bool duet_motion_get_moved(duet_motion *m, duet_moved *moved, duet_error *err)
     uint32_t *words = calloc((size_t)m->n / 32 + 1, sizeof *words);
     if (!words)
         return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-    bool ok = timeline_finish(&m->times, err) && prepare(m, err) && reserve_reading(m, err) &&
+    bool ok = timeline_finish(&m->times, err) && reserve_reading(m, err) &&
               read_moved(m, words, moved, err);
     free(words);
     return ok;

@@ -6,15 +6,12 @@
 
 #include "runtime/duet.h"
 #include "runtime/opencl/buffer.h"
-#include "runtime/opencl/program.h"
 
 typedef struct motion_reading {
-    kernel *gather_rows, *changed_rows; // NULL until something is read
     uint32_t n_told; // bodies of which the device has what was read last; 0: all are to be told
     uint32_t n;
     uint32_t *ids; // [n] that moved
     duet_state *states;
-    kernel *pack_rows, *unpack_rows, *move_rows; // likewise, a domain's (domain_rows.c)
     // other arguments of a launch
     buffer rows, last_rows; // a state's, by object
     buffer row_ids;         // a domain's lists of places, from first_id on

@@ -180,9 +180,8 @@ static bool pushes(const duet_motion *m)
 // Without response each body flies free, and where it then touches is looked at afterwards.
 static bool fly(duet_motion *m, duet_error *err)
 {
-    const kernel *flight = m->kernels.integrate_free_flight;
     products_move_bodies(&m->products);
-    return (!flight || motion_launch(m, "integrate", flight, m->n, err)) &&
+    return motion_launch(m, INTEGRATE_FREE_FLIGHT, err) &&
            (!(m->effects & DUET_EFFECT_CONTACT) ||
             (ensure(m, PRODUCT_MANIFOLDS, err) && motion_note_events(m, err)));
 }
@@ -202,7 +201,7 @@ static bool begin_apart(duet_motion *m, duet_error *err)
 // events.
 static bool read_end(duet_motion *m, duet_error *err)
 {
-    bool checked = pushes(m) && m->kernels.check_fat_aabbs;
+    bool checked = pushes(m) && m->kernels.of[CHECK_FAT_AABBS];
     return (!checked && !(m->effects & (DUET_EFFECT_SLEEP | DUET_EFFECT_EVENTS))) ||
            motion_read_flags(m, err);
 }
@@ -210,7 +209,7 @@ static bool read_end(duet_motion *m, duet_error *err)
 static bool send_end(duet_motion *m, bool presses, duet_error *err)
 {
     return motion_solve(m, err) && motion_note_events(m, err) && motion_finalize(m, presses, err) &&
-           (!m->kernels.check_fat_aabbs || motion_check_bounds(m, false, err));
+           motion_check_bounds(m, false, err);
 }
 
 static bool end_response(duet_motion *m, duet_error *err)
@@ -242,10 +241,9 @@ static bool hold_up_to(const duet_motion *m, product_name which)
 // than one launch makes have to stay; manifolds that a step begins with are not made again.
 static cl_uint hopes_of(const duet_motion *m, const uint32_t flags[FLAGS])
 {
-    const bool lays = motion_colours_at_once(m);
-    const bool stays = product_was_made(&m->products, PRODUCT_COLOURS) &&
-                       !product_is_forgotten(&m->products, PRODUCT_COLOURS) &&
-                       !flags[FLAG_RECOLOURED];
+    const bool lays = m->kernels.of[COLOUR_CONTACTS];
+    const bool stays =
+        !product_is_forgotten(&m->products, PRODUCT_COLOURS) && !flags[FLAG_RECOLOURED];
     if (m->graph.n_contacts == 0 || m->buffers[BLOCKS].bytes == 0 || !motion_solves_at_once(m) ||
         !(lays || stays) || product_is_right(&m->products, PRODUCT_MANIFOLDS))
         return 0;
@@ -342,7 +340,7 @@ static bool run_effects(duet_motion *m, duet_error *err)
 
 static void note_end(duet_motion *m)
 {
-    if (pushes(m) && m->kernels.check_fat_aabbs)
+    if (pushes(m) && m->kernels.of[CHECK_FAT_AABBS])
         motion_note_bounds(m);
     if (m->effects & DUET_EFFECT_SLEEP)
         motion_note_awake(m);
@@ -467,19 +465,18 @@ void domain_forget_bounds(duet_motion *m)
 bool domain_make_bounds(duet_motion *m, duet_error *err)
 {
     set_args(m);
-    return m->n == 0 || !m->kernels.compute_fat_aabbs || ensure(m, PRODUCT_BOUNDS, err);
+    return m->n == 0 || !m->kernels.of[COMPUTE_FAT_AABBS] || ensure(m, PRODUCT_BOUNDS, err);
 }
 
 // Without pairs that a domain would search for, too.
 bool domain_fly(duet_motion *m, duet_error *err)
 {
-    const kernel *flight = m->kernels.integrate_free_flight;
     timeline_begin_step(&m->times, m->device, m->step++);
     set_args(m);
     forget_ground(m);
     products_move_bodies(&m->products);
-    return m->n == 0 || !flight ||
-           (motion_launch(m, "integrate", flight, m->n, err) && timeline_finish(&m->times, err));
+    return m->n == 0 ||
+           (motion_launch(m, INTEGRATE_FREE_FLIGHT, err) && timeline_finish(&m->times, err));
 }
 
 bool domain_find_contacts(duet_motion *m, duet_error *err)
@@ -505,6 +502,7 @@ bool domain_begin_step(duet_motion *m, duet_error *err)
     timeline_begin_step(&m->times, m->device, m->step);
     m->products.before = m->products.last;
     product_drop(&m->products, PRODUCT_AWAKE);
+    m->awake.n_bodies = m->n;
     set_args(m);
     forget_ground(m);
     return m->n == 0 || (motion_clear(m, "clear", FLAG_WORDS, 0, FLAGS, err) &&
@@ -540,7 +538,7 @@ bool domain_end_step(duet_motion *m, duet_error *err)
 {
     ++m->step;
     products_move_bodies(&m->products);
-    return (m->n == 0 || !m->kernels.check_fat_aabbs || check_bounds(m, err)) &&
+    return (m->n == 0 || !m->kernels.of[CHECK_FAT_AABBS] || check_bounds(m, err)) &&
            timeline_finish(&m->times, err);
 }
 

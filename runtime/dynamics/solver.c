@@ -24,14 +24,14 @@ static cl_int4 span_of(const contact_solver *s, uint32_t colour)
 }
 
 // Runs a kernel over the contacts of these colours, one colour after the other.
-static bool launch_colours(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
+static bool launch_colours(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
                            uint32_t each, uint64_t work, duet_error *err)
 {
     m->solver.span = span_of(&m->solver, from);
     m->solver.from_colour = from;
     m->solver.to_colour = to;
     m->solver.each = each;
-    return motion_launch(m, "solve_contacts", k, work, err);
+    return motion_launch_over(m, which, work, err);
 }
 
 // Colours that one work-group has space for are taken by the same one.
@@ -44,7 +44,42 @@ static uint32_t end_of_few(const contact_solver *s, const kernel *k, uint32_t fr
     return end;
 }
 
-// ---------------------------------------------------------------- colours by a team
+// Takes colours below COLOUR_OVERFLOW.
+static bool launch_below(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                         duet_error *err)
+{
+    const contact_solver *s = &m->solver;
+    const kernel *k = m->kernels.of[which];
+    bool ok = true;
+    for (uint32_t next; ok && from < to; from = next) {
+        next = end_of_few(s, k, from, to);
+        ok = launch_colours(m, which, from, next, k->per_item, most_of(s, from, next), err);
+    }
+    return ok;
+}
+
+static bool launch_team(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                        uint32_t most, duet_error *err)
+{
+    contact_solver *s = &m->solver;
+    s->span = span_of(s, from);
+    s->from_colour = from;
+    s->to_colour = to;
+    return from == to || team_launch(m, which, most, TEAM_LEAST_PART, to - from, err);
+}
+
+// Takes colours: a team in one launch; else contacts that found no colour come last, in order, by
+// one work-item.
+static bool take_colours(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                         duet_error *err)
+{
+    const contact_solver *s = &m->solver;
+    const uint32_t below = to < COLOUR_OVERFLOW ? to : COLOUR_OVERFLOW;
+    if (motion_has_team(m, which))
+        return launch_team(m, which, from, to, most_of(s, from, below), err);
+    return launch_below(m, which, from, below, err) &&
+           (to == below || launch_colours(m, which, below, to, s->colours[below].count, 1, err));
+}
 
 static uint32_t end_of_colours(const contact_solver *s)
 {
@@ -54,52 +89,15 @@ static uint32_t end_of_colours(const contact_solver *s)
     return to;
 }
 
-// Takes colours in one launch.
-static bool launch_team(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
-                        duet_error *err)
+static bool for_colours(duet_motion *m, motion_kernel which, duet_error *err)
 {
-    contact_solver *s = &m->solver;
-    const uint32_t most = most_of(s, from, to < COLOUR_OVERFLOW ? to : COLOUR_OVERFLOW);
-    s->span = span_of(s, from);
-    s->from_colour = from;
-    s->to_colour = to;
-    return from == to || team_launch(m, "solve_contacts", k, most, TEAM_LEAST_PART, to - from, err);
-}
-
-// ---------------------------------------------------------------- colours by launches
-
-// Takes colours below COLOUR_OVERFLOW.
-static bool launch_below(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
-                         duet_error *err)
-{
-    const contact_solver *s = &m->solver;
-    bool ok = true;
-    for (uint32_t next; ok && from < to; from = next) {
-        next = end_of_few(s, k, from, to);
-        ok = launch_colours(m, k, from, next, k->per_item, most_of(s, from, next), err);
-    }
-    return ok;
-}
-
-// Contacts that found no colour are taken in order, by one work-item.
-static bool launch_each(duet_motion *m, const kernel *k, duet_error *err)
-{
-    uint32_t in_order = m->solver.colours[COLOUR_OVERFLOW].count;
-    return launch_below(m, k, 0, COLOUR_OVERFLOW, err) &&
-           (in_order == 0 ||
-            launch_colours(m, k, COLOUR_OVERFLOW, COLOUR_OVERFLOW + 1, in_order, 1, err));
-}
-
-static bool for_colours(duet_motion *m, const kernel *k, duet_error *err)
-{
-    return k->groups == GROUPS_TEAM ? launch_team(m, k, 0, end_of_colours(&m->solver), err)
-                                    : launch_each(m, k, err);
+    return take_colours(m, which, 0, end_of_colours(&m->solver), err);
 }
 
 static bool solve(duet_motion *m, uint32_t soft, duet_error *err)
 {
     m->solver.soft = soft;
-    return for_colours(m, m->kernels.solve_contacts, err);
+    return for_colours(m, SOLVE_CONTACTS, err);
 }
 
 bool motion_has_shocks(const duet_motion *m)
@@ -116,25 +114,22 @@ static bool solve_shocks(duet_motion *m, duet_error *err)
         return true;
     s->first_sweep = s->sweep;
     for (int i = 0; ok && i < SHOCK_SWEEPS; ++i, ++s->sweep)
-        ok = for_colours(m, m->kernels.solve_shocks, err);
+        ok = for_colours(m, SOLVE_SHOCKS, err);
     return ok;
 }
 
 // Contacts are soft springs, and then relax without these.
 static bool substep(duet_motion *m, duet_error *err)
 {
-    const motion_kernels *k = &m->kernels;
-    return motion_launch(m, "integrate", k->integrate_velocities, m->awake.n_bodies, err) &&
-           solve_shocks(m, err) && solve(m, 1, err) &&
-           motion_launch(m, "integrate", k->integrate_positions, m->awake.n_bodies, err) &&
-           solve(m, 0, err);
+    return motion_launch(m, INTEGRATE_VELOCITIES, err) && solve_shocks(m, err) &&
+           solve(m, 1, err) && motion_launch(m, INTEGRATE_POSITIONS, err) && solve(m, 0, err);
 }
 
 // Each contact has its own.
 static bool store_impulses(duet_motion *m, duet_error *err)
 {
-    const kernel *k = m->kernels.store_impulses;
-    return launch_colours(m, k, 0, COLOUR_OVERFLOW + 1, k->per_item,
+    const kernel *k = m->kernels.of[STORE_IMPULSES];
+    return launch_colours(m, STORE_IMPULSES, 0, COLOUR_OVERFLOW + 1, k->per_item,
                           most_of(&m->solver, 0, COLOUR_OVERFLOW + 1), err);
 }
 
@@ -142,11 +137,10 @@ static bool store_impulses(duet_motion *m, duet_error *err)
 // searched for where it is.
 static bool push_sleepers(duet_motion *m, duet_error *err)
 {
-    const motion_kernels *k = &m->kernels;
     bool ok = true;
-    for (m->solver.round = 0; ok && m->solver.round < PRESSED_ROUNDS; ++m->solver.round)
-        ok = motion_launch(m, "sleep", k->push_sleepers, m->awake.n_bodies, err);
-    return ok && motion_launch(m, "sleep", k->move_sleepers, m->awake.n_bodies, err);
+    for (uint32_t round = 0; ok && round <= PRESSED_ROUNDS; ++round)
+        ok = domain_push_sleepers(m, round, err);
+    return ok;
 }
 
 // ---------------------------------------------------------------- all passes at once
@@ -182,29 +176,24 @@ static bool have_space(const duet_motion *m, const kernel *k)
            m->solver.colours[COLOUR_OVERFLOW].count == 0;
 }
 
-static bool takes_substeps(const duet_motion *m, const kernel *k)
-{
-    return k && (k->groups == GROUPS_TEAM ? motion_team_solves(&m->kernels) : have_space(m, k));
-}
-
 // Takes passes (solve_substeps.cl).
-static bool launch_passes(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
-                          duet_error *err)
+static bool launch_passes(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
 {
+    const kernel *k = m->kernels.of[SOLVE_SUBSTEPS];
     contact_solver *s = &m->solver;
     s->from_pass = from;
     s->to_pass = to;
     s->to_colour = m->graph.n_contacts > 0 ? COLOUR_OVERFLOW + 1 : 0;
     if (k->groups == GROUPS_APART)
-        return motion_launch(m, "solve_contacts", k, 1, err);
-    return team_launch(m, "solve_contacts", k, most_work(m, k),
-                       k->group > 1 ? k->group : GROUP_LEAST, (to - from) * (1 + s->to_colour),
-                       err);
+        return motion_launch_over(m, SOLVE_SUBSTEPS, 1, err);
+    return team_launch(m, SOLVE_SUBSTEPS, most_work(m, k), k->group > 1 ? k->group : GROUP_LEAST,
+                       (to - from) * (1 + s->to_colour), err);
 }
 
 // A team of several may lose members up to the end of a launch, which is then not that of the step.
-static uint32_t passes_at_once(const duet_motion *m, const kernel *k, uint32_t passes)
+static uint32_t passes_at_once(const duet_motion *m, uint32_t passes)
 {
+    const kernel *k = m->kernels.of[SOLVE_SUBSTEPS];
     return k->groups == GROUPS_TEAM && most_work(m, k) > GROUP_LEAST ? PASSES : passes;
 }
 
@@ -214,15 +203,15 @@ static bool restores_speeds(const duet_motion *m)
     return (m->facts & FACT_ELASTIC) && !motion_has_shocks(m);
 }
 
-static bool solve_at_once(duet_motion *m, const kernel *k, duet_error *err)
+static bool solve_at_once(duet_motion *m, duet_error *err)
 {
     const uint32_t last = PASSES * m->def.substeps, end = last + 1 + restores_speeds(m);
-    const uint32_t each = passes_at_once(m, k, end);
+    const uint32_t each = passes_at_once(m, end);
     bool ok = true;
     for (uint32_t from = 0, to; ok && from < end; from = to) {
         to = from + each + (from == 0);
         to = to > last ? end : to;
-        ok = budget_check(err) && launch_passes(m, k, from, to, err);
+        ok = budget_check(err) && launch_passes(m, from, to, err);
     }
     return ok;
 }
@@ -239,22 +228,22 @@ static bool run_substeps(duet_motion *m, duet_error *err)
 
 bool motion_solves_at_once(const duet_motion *m)
 {
-    return takes_substeps(m, m->kernels.solve_substeps);
+    const kernel *k = m->kernels.of[SOLVE_SUBSTEPS];
+    return k && (k->groups == GROUPS_TEAM || have_space(m, k));
 }
 
 bool motion_solve(duet_motion *m, duet_error *err)
 {
     if (motion_solves_at_once(m))
-        return solve_at_once(m, m->kernels.solve_substeps, err);
-    return for_colours(m, m->kernels.prepare_contacts, err) && run_substeps(m, err) &&
-           (!restores_speeds(m) || for_colours(m, m->kernels.apply_restitution, err)) &&
+        return solve_at_once(m, err);
+    return for_colours(m, PREPARE_CONTACTS, err) && run_substeps(m, err) &&
+           (!restores_speeds(m) || for_colours(m, APPLY_RESTITUTION, err)) &&
            store_impulses(m, err);
 }
 
 bool motion_finalize(duet_motion *m, bool presses, duet_error *err)
 {
-    return motion_launch(m, "integrate", m->kernels.finalize_bodies, m->awake.n_bodies, err) &&
-           (!presses || push_sleepers(m, err));
+    return motion_launch(m, FINALIZE_BODIES, err) && (!presses || push_sleepers(m, err));
 }
 
 // ---------------------------------------------------------------- stage by stage
@@ -262,42 +251,23 @@ bool motion_finalize(duet_motion *m, bool presses, duet_error *err)
 bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err)
 {
     m->solver.round = round;
-    return motion_launch(m, "sleep", m->kernels.push_sleepers, m->n, err);
-}
-
-bool domain_move_sleepers(duet_motion *m, duet_error *err)
-{
-    m->solver.round = PRESSED_ROUNDS;
-    return motion_launch(m, "sleep", m->kernels.move_sleepers, m->n, err);
+    return motion_launch(m, round < PRESSED_ROUNDS ? PUSH_SLEEPERS : MOVE_SLEEPERS, err);
 }
 
 bool domain_prepare_contacts(duet_motion *m, duet_error *err)
 {
-    return for_colours(m, m->kernels.prepare_contacts, err);
+    return for_colours(m, PREPARE_CONTACTS, err);
 }
 
-bool domain_integrate_velocities(duet_motion *m, duet_error *err)
+static bool take_if_any(duet_motion *m, motion_kernel which, uint32_t from, uint32_t to,
+                        duet_error *err)
 {
-    return motion_launch(m, "integrate", m->kernels.integrate_velocities, m->n, err);
-}
-
-bool domain_integrate_positions(duet_motion *m, duet_error *err)
-{
-    return motion_launch(m, "integrate", m->kernels.integrate_positions, m->n, err);
-}
-
-// Runs a kernel over the contacts of colours below COLOUR_OVERFLOW.
-static bool launch_between(duet_motion *m, const kernel *k, uint32_t from, uint32_t to,
-                           duet_error *err)
-{
-    return most_of(&m->solver, from, to) == 0 ||
-           (k->groups == GROUPS_TEAM ? launch_team(m, k, from, to, err)
-                                     : launch_below(m, k, from, to, err));
+    return most_of(&m->solver, from, to) == 0 || take_colours(m, which, from, to, err);
 }
 
 // Launches a kernel for n contacts of a colour, from one that begins a block.
-static bool launch_some(duet_motion *m, const kernel *k, uint32_t colour, uint32_t from, uint32_t n,
-                        duet_error *err)
+static bool launch_some(duet_motion *m, motion_kernel which, uint32_t colour, uint32_t from,
+                        uint32_t n, duet_error *err)
 {
     contact_solver *s = &m->solver;
     const colour_span *all = &s->colours[colour];
@@ -306,23 +276,21 @@ static bool launch_some(duet_motion *m, const kernel *k, uint32_t colour, uint32
         (cl_int4){{(cl_int)(all->first + from), (cl_int)n, (cl_int)(all->slot + from * slots)}};
     s->from_colour = colour;
     s->to_colour = colour + 1;
-    s->each = k->per_item;
+    s->each = m->kernels.of[which]->per_item;
     if (n == 0)
         return true;
-    return k->groups == GROUPS_TEAM
-               ? team_launch(m, "solve_contacts", k, n, TEAM_LEAST_PART, 1, err)
-               : motion_launch(m, "solve_contacts", k, n, err);
+    return motion_has_team(m, which) ? team_launch(m, which, n, TEAM_LEAST_PART, 1, err)
+                                     : motion_launch_over(m, which, n, err);
 }
 
 // Returns the kernel of a pass. No sweep of a domain knows whether it is the last one.
-static const kernel *begin_pass(duet_motion *m, domain_pass pass)
+static motion_kernel begin_pass(duet_motion *m, domain_pass pass)
 {
-    const motion_kernels *k = &m->kernels;
     m->solver.soft = pass == PASS_SOFT;
     m->solver.first_sweep = m->solver.sweep;
-    return pass == PASS_SHOCKS    ? k->solve_shocks
-           : pass == PASS_RESTORE ? k->apply_restitution
-                                  : k->solve_contacts;
+    return pass == PASS_SHOCKS    ? SOLVE_SHOCKS
+           : pass == PASS_RESTORE ? APPLY_RESTITUTION
+                                  : SOLVE_CONTACTS;
 }
 
 bool domain_solve_in_order(duet_motion *m, domain_pass pass, uint32_t i, duet_error *err)
@@ -333,12 +301,12 @@ bool domain_solve_in_order(duet_motion *m, domain_pass pass, uint32_t i, duet_er
 bool domain_solve_border(duet_motion *m, domain_pass pass, uint32_t from, uint32_t to,
                          duet_error *err)
 {
-    const kernel *k = begin_pass(m, pass);
+    const motion_kernel which = begin_pass(m, pass);
     const colour_span *first = &m->solver.colours[from];
     if (first->border == first->count)
-        return launch_between(m, k, from, to, err);
-    return launch_some(m, k, from, 0, first->border, err) &&
-           launch_between(m, k, from + 1, to, err);
+        return take_if_any(m, which, from, to, err);
+    return launch_some(m, which, from, 0, first->border, err) &&
+           take_if_any(m, which, from + 1, to, err);
 }
 
 // A device that is the host's own is waited for: whoever then waits for messages takes a core.
@@ -365,6 +333,5 @@ bool domain_store_impulses(duet_motion *m, duet_error *err)
 
 bool domain_finalize(duet_motion *m, duet_error *err)
 {
-    return m->n == 0 || (domain_note_events(m, err) &&
-                         motion_launch(m, "integrate", m->kernels.finalize_bodies, m->n, err));
+    return m->n == 0 || (domain_note_events(m, err) && motion_launch(m, FINALIZE_BODIES, err));
 }

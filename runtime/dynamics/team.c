@@ -33,12 +33,13 @@ static uint32_t count_groups(const duet_motion *m, const kernel *k, uint64_t wor
     return parts == 0 ? 1 : parts < most ? (uint32_t)parts : most;
 }
 
-bool team_launch(duet_motion *m, const char *stage, const kernel *k, uint64_t work, uint32_t least,
+bool team_launch(duet_motion *m, motion_kernel which, uint64_t work, uint32_t least,
                  uint32_t n_stages, duet_error *err)
 {
+    const kernel *k = m->kernels.of[which];
     uint32_t n_groups = count_groups(m, k, work, least);
     if (!reserve_stages(m, n_stages, err) ||
-        !motion_launch(m, stage, k, (uint64_t)n_groups * k->group * k->per_item, err))
+        !motion_launch_over(m, which, (uint64_t)n_groups * k->group * k->per_item, err))
         return false;
     m->team.stage += n_stages;
     return true;

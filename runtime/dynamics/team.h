@@ -4,7 +4,7 @@
 #ifndef RUNTIME_TEAM_H
 #define RUNTIME_TEAM_H
 
-#include "runtime/opencl/program.h"
+#include "runtime/dynamics/motion_kernels.h"
 
 typedef struct motion_team {
     cl_uint stage; // the last one of all launches so far; 0: the words are not there yet
@@ -17,7 +17,7 @@ struct duet_motion;
 uint32_t team_most_groups(const struct duet_motion *m, const kernel *k);
 
 // Launches at most n_stages stages, by as many groups as have `least` of the work each.
-bool team_launch(struct duet_motion *m, const char *stage, const kernel *k, uint64_t work,
-                 uint32_t least, uint32_t n_stages, duet_error *err);
+bool team_launch(struct duet_motion *m, motion_kernel which, uint64_t work, uint32_t least,
+                 uint32_t n_stages, duet_error *err);
 
 #endif

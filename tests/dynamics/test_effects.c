@@ -510,17 +510,18 @@ TEST(kernels_are_those_that_are_called_for)
 {
     mover *m = make_scene(0);
     mover_run(m, 1);
-    motion_kernels only = {.integrate_free_flight = m->motion->kernels.integrate_free_flight};
+    motion_kernels only = {{NULL}};
+    only.of[INTEGRATE_FREE_FLIGHT] = m->motion->kernels.of[INTEGRATE_FREE_FLIGHT];
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
     cl_uint n_args = 0;
-    clGetKernelInfo(only.integrate_free_flight->cl, CL_KERNEL_NUM_ARGS, sizeof n_args, &n_args,
+    clGetKernelInfo(only.of[INTEGRATE_FREE_FLIGHT]->cl, CL_KERNEL_NUM_ARGS, sizeof n_args, &n_args,
                     NULL);
     assert_int_equal(n_args, 5); // centres, velocities, times, substeps, n
     assert_int_equal(m->last.n_stages, 1);
     m = mover_new(3);
     mover_add_cube(m, 0, 0, 0, 1);
     mover_run(m, 1);
-    only.integrate_free_flight = NULL;
+    only.of[INTEGRATE_FREE_FLIGHT] = NULL;
     assert_memory_equal(&m->motion->kernels, &only, sizeof only);
     assert_int_equal(m->last.n_stages, 0);
 }

@@ -106,8 +106,8 @@ TEST(a_team_takes_more_rounds_than_it_counts)
     mover *team = make_chain(pair, "auto"), *launches = make_chain(pair, "auto graph_colour.WG=64");
     run_to_chain(team);
     run_to_chain(launches);
-    assert_true(motion_colours_at_once(team->motion));
-    assert_false(motion_colours_at_once(launches->motion));
+    assert_non_null(team->motion->kernels.of[COLOUR_CONTACTS]);
+    assert_null(launches->motion->kernels.of[COLOUR_CONTACTS]);
     mover_run_alike(team, launches, 10);
     assert_int_equal(team->last.contacts, 0);
     fall_again(team);

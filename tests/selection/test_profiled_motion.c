@@ -63,11 +63,11 @@ static duet_profile load(const mover *m, const char *path)
 static void assert_own_kernels(const mover *m)
 {
     const motion_kernels *k = &m->motion->kernels;
-    assert_int_equal(kernel_param(k->solve_contacts, "WG"), 64);
-    assert_int_equal(k->solve_contacts->group, 64);
-    assert_int_equal(kernel_param(k->apply_restitution, "WG"), 64);
-    assert_int_equal(kernel_param(k->build_manifolds, "WG"), 128);
-    assert_int_equal(k->build_manifolds->per_item, 1);
+    assert_int_equal(kernel_param(k->of[SOLVE_CONTACTS], "WG"), 64);
+    assert_int_equal(k->of[SOLVE_CONTACTS]->group, 64);
+    assert_int_equal(kernel_param(k->of[APPLY_RESTITUTION], "WG"), 64);
+    assert_int_equal(kernel_param(k->of[BUILD_MANIFOLDS], "WG"), 128);
+    assert_int_equal(k->of[BUILD_MANIFOLDS]->per_item, 1);
 }
 
 TEST(a_plan_changes_kernels_between_steps_and_no_bit)
@@ -207,7 +207,7 @@ TEST(a_motion_without_contact_takes_the_kernels_alone)
     create(m);
     put_for(folder.store, m, "integrate_free_flight.WG=256 integrate_free_flight.PER_ITEM=1");
     assert_int_equal(load(m, folder.store).grade, DUET_GRADE_EXACT);
-    assert_int_equal(m->motion->kernels.integrate_free_flight->group, 256);
+    assert_int_equal(m->motion->kernels.of[INTEGRATE_FREE_FLIGHT]->group, 256);
     assert_null(duet_motion_get_plan(m->motion)); // no plan of pairs
     mover_run(m, STEPS);
     assert_true(mover_hash(m) == hash);
