@@ -77,10 +77,9 @@ static bool report_limit(script *s, duet_status status, duet_error *err)
 // Adds the text on top of the stack, also behind a NUL.
 static void add_message(text *t, lua_State *L)
 {
-    const size_t most = sizeof((duet_error *)0)->text;
     size_t n = 0;
     const char *chars = lua_tolstring(L, -1, &n);
-    text_add_visible(t, chars, n < most ? n : most, "\n\r\t");
+    text_add_visible(t, chars, n, "\n\r\t");
 }
 
 // Takes the error value off the stack and makes a line of it.

@@ -44,7 +44,7 @@ static bool fail(session *s, duet_error *err)
     size_t n = 0;
     const char *message = lua_tolstring(s->lua, -1, &n);
     if (message)
-        text_add_visible(&shown, message, n < sizeof err->text ? n : sizeof err->text, "\n\r\t");
+        text_add_visible(&shown, message, n, "\n\r\t");
     error_set(err, DUET_STATUS_BAD_INPUT, "%s",
               message ? text_chars(&shown) : "an error that is not a text");
     text_free(&shown);
