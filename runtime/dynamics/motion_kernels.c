@@ -330,9 +330,9 @@ static void spare_stages(duet_motion *m)
     const bool solves = response && motion_team_solves(k);
     const bool colours = response && motion_colours_at_once(m);
     for (size_t i = 0; solves && i < sizeof of_solver / sizeof *of_solver; ++i)
-        of_solver[i]->spare = true;
+        kernel_spare(of_solver[i]);
     for (size_t i = 0; colours && i < sizeof of_colours / sizeof *of_colours; ++i)
-        of_colours[i]->spare = true;
+        kernel_spare(of_colours[i]);
 }
 
 static bool choose_all(duet_motion *m, duet_error *err)

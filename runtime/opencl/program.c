@@ -163,13 +163,19 @@ static kernel_groups groups_of(const kernel *k)
                                                            : GROUPS_APART;
 }
 
+void kernel_spare(kernel *k)
+{
+    k->state = k->state == KERNEL_ASKED ? KERNEL_SPARED : k->state;
+}
+
 static kernel *find_or_add_entry(const program_set *set, program *p, const char *entry,
                                  const gen_variant *variant, const launcher *l, duet_error *err)
 {
     for (int i = 0; i < p->n_entries; ++i)
         if (strcmp(p->entries[i].entry, entry) == 0) {
-            p->entries[i].k.spare = false;
-            return &p->entries[i].k;
+            kernel *found = &p->entries[i].k;
+            found->state = found->state == KERNEL_SPARED ? KERNEL_ASKED : found->state;
+            return found;
         }
     if (p->n_entries == PROGRAM_MOST_ENTRIES)
         return error_null(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has more than %d kernels",

@@ -18,10 +18,24 @@ typedef enum kernel_groups {
     GROUPS_MEET   // together, all at once on a GPU (kernels/dynamics/meet.clh)
 } kernel_groups;
 
+// A kernel's way to the device. Only a built one can be launched.
+//
+//     asked for --> ASKED -------- a build --------> BUILT
+//                   |   ^
+//    kernel_spare,  |   |  asked for again
+//    a failed build v   |
+//                  SPARED
+//
+typedef enum kernel_state {
+    KERNEL_ASKED,  // the next build makes it
+    KERNEL_SPARED, // builds leave it out
+    KERNEL_BUILT   // stays, whatever is asked for or fails later
+} kernel_state;
+
 // An entry point of a variant.
 typedef struct kernel {
-    cl_kernel cl;      // NULL before it is built
-    bool spare;        // never launched, as the asker found: it is not built
+    cl_kernel cl; // NULL unless it is built
+    kernel_state state;
     kernel_groups groups;
     uint32_t group;    // work-items a group
     uint32_t per_item; // objects, pairs or values a work-item does
@@ -72,9 +86,12 @@ typedef struct kernel_request {
 bool program_set_kernels(program_set *set, const kernel_request *list, size_t n,
                          const gen_offer *offers, uint32_t n_offers, duet_error *err);
 
+// Leaves a kernel out of builds that the asker found it launches never; a built one stays.
+void kernel_spare(kernel *k);
+
 // Builds what was asked for and is not built. BUILD_FAILED names the variant, the device
 // and the compiler's first line; INTERRUPTED where the program is to stop. After a failure
-// kernels asked for since the last build are gone.
+// kernels that are not built are spared, so that it does not come back with the next build.
 bool program_set_build(program_set *set, duet_error *err);
 
 // Builds the variant and keeps nothing: whether the device's compiler takes it.
