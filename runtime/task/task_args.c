@@ -241,7 +241,7 @@ static void read_array(lua_State *L, reading *r, task_arg *arg)
     uint64_t given = field_read_row(L, -1, r->table, array_fields, arg);
     if ((given & TYPE_AND_COUNT) != TYPE_AND_COUNT)
         field_raise(L, arg->name, "args.%s: expected a type and a number of elements", arg->name);
-    arg->is_array = true;
+    arg->kind = TASK_ARG_ARRAY;
     divide(L, r->task, arg);
     check_array(L, r->task, arg);
     fill(L, r, arg);
@@ -257,7 +257,7 @@ static void read_arg(lua_State *L, reading *r, task_arg *arg)
         int is_whole = 0;
         arg->value = lua_tonumber(L, -1);
         arg->whole = lua_tointegerx(L, -1, &is_whole);
-        arg->is_whole = is_whole;
+        arg->kind = is_whole ? TASK_ARG_WHOLE : TASK_ARG_REAL;
     } else {
         field_raise(L, arg->name,
                     "args.%s is a %s; expected a number, or a table as {\"float\", n}", arg->name,

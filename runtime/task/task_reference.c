@@ -126,9 +126,9 @@ static void push_args(lua_State *L, task *t)
     lua_setfield(L, -2, "items");
     for (uint32_t i = 0; i < t->n_args; ++i) {
         task_arg *arg = &t->args[i];
-        if (arg->is_array)
+        if (arg->kind == TASK_ARG_ARRAY)
             push_array(L, arg);
-        else if (arg->is_whole)
+        else if (arg->kind == TASK_ARG_WHOLE)
             lua_pushinteger(L, arg->whole);
         else
             lua_pushnumber(L, arg->value);

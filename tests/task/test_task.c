@@ -315,7 +315,7 @@ TEST(the_first_wrong_number_of_many_is_found)
     rng r = rng_seed(test_seed());
     task t = {.name = "t", .tolerance = 0.25};
     for (int round = 0; round < 200; ++round) {
-        task_arg arg = {.name = "y", .is_array = true, .lanes = 1, .per_item = 1};
+        task_arg arg = {.name = "y", .kind = TASK_ARG_ARRAY, .lanes = 1, .per_item = 1};
         own(task_values) found;
         must(task_values_make(&found, TASK_FLOAT, N, ERR));
         must(task_values_make(&arg.expected, TASK_FLOAT, N, ERR));
