@@ -514,6 +514,17 @@ TEST(a_strategy_or_query_that_there_is_not_is_one_line)
                            "query 'rays both': expected 'rays closest'");
 }
 
+TEST(a_wait_that_is_no_time_is_wrong_usage)
+{
+    static const char *const wrong[] = {"abc", "-1", "nan", "1e400", "1 s"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        char variable[32], says[64];
+        snprintf(variable, sizeof variable, "DUET_WAIT='%s'", wrong[i]);
+        snprintf(says, sizeof says, "DUET_WAIT is '%s'; expected a number of seconds", wrong[i]);
+        program_assert_refused(program_run_with(variable, "tune " QUICK SCENE), 2, says);
+    }
+}
+
 TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
 {
     static const refusal rows[] = {
