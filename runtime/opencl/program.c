@@ -53,22 +53,6 @@ gen_limits program_set_limits(const program_set *set)
     return set->limits;
 }
 
-int64_t kernel_param(const kernel *k, const char *param)
-{
-    const char *at = k->name;
-    size_t length = strlen(param);
-    while ((at = strchr(at, '.')))
-        if (strncmp(++at, param, length) == 0)
-            return strtoll(at + length, NULL, 10);
-    return 0;
-}
-
-bool kernel_is(const kernel *k, const char *name)
-{
-    size_t length = strlen(name);
-    return k && strncmp(k->name, name, length) == 0 && (k->name[length] == '.' || !k->name[length]);
-}
-
 // ---------------------------------------------------------------- arguments
 
 // other: the type under which the host knows the name, if that differs from the argument's.
@@ -163,19 +147,13 @@ static kernel_groups groups_of(const kernel *k)
                                                            : GROUPS_APART;
 }
 
-void kernel_spare(kernel *k)
-{
-    k->state = k->state == KERNEL_ASKED ? KERNEL_SPARED : k->state;
-}
-
 static kernel *find_or_add_entry(const program_set *set, program *p, const char *entry,
                                  const gen_variant *variant, const launcher *l, duet_error *err)
 {
     for (int i = 0; i < p->n_entries; ++i)
         if (strcmp(p->entries[i].entry, entry) == 0) {
-            kernel *found = &p->entries[i].k;
-            found->state = found->state == KERNEL_SPARED ? KERNEL_ASKED : found->state;
-            return found;
+            kernel_ask(&p->entries[i].k);
+            return &p->entries[i].k;
         }
     if (p->n_entries == PROGRAM_MOST_ENTRIES)
         return error_null(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has more than %d kernels",
