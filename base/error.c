@@ -92,36 +92,9 @@ static bool is_free(const duet_error *err)
     return err && err->status == DUET_STATUS_OK;
 }
 
-// A byte of a character that began before it.
-static bool goes_on(char byte)
-{
-    return ((unsigned char)byte & 0xc0) == 0x80;
-}
-
-// A text that is too long for the line, as with a long path, loses its middle: the end says what
-// is wrong.
-static void write_line(char *line, size_t size, const char *format, va_list args)
-{
-    va_list again;
-    va_copy(again, args);
-    int length = vsnprintf(line, size, format, args);
-    char *whole = length >= (int)size ? malloc((size_t)length + 1) : NULL;
-    if (whole) {
-        size_t head = size - size / 4, tail = (size_t)length - size / 4 + sizeof "...";
-        vsnprintf(whole, (size_t)length + 1, format, again);
-        while (goes_on(whole[head]))
-            --head;
-        while (goes_on(whole[tail]))
-            ++tail;
-        snprintf(line + head, size - head, "...%s", whole + tail);
-    }
-    free(whole);
-    va_end(again);
-}
-
 static void fill(duet_error *err, duet_status status, const char *format, va_list args)
 {
-    write_line(err->text, sizeof err->text, format, args);
+    visible_write(err->text, sizeof err->text, format, args);
     join_lines(err->text, sizeof err->text);
     err->status = status;
     err->cl_code = 0;

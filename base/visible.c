@@ -2,6 +2,7 @@
 #include "base/visible.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 // By the first byte: how many follow, and the least and greatest second byte,
@@ -75,6 +76,31 @@ size_t visible_show(const char *at, size_t n, const char *kept, char shown[VISIB
     for (size_t k = 0; k < taken; ++k)
         snprintf(shown + 4 * k, 5, "\\x%02x", (unsigned)(unsigned char)at[k]);
     return taken;
+}
+
+// A byte of a character that began before it.
+static bool is_inside(char byte)
+{
+    return ((unsigned char)byte & 0xc0) == 0x80;
+}
+
+void visible_write(char *line, size_t size, const char *format, va_list args)
+{
+    va_list again;
+    va_copy(again, args);
+    int length = vsnprintf(line, size, format, args);
+    char *whole = length >= (int)size ? malloc((size_t)length + 1) : NULL;
+    if (whole) {
+        size_t head = size - size / 4, tail = (size_t)length - size / 4 + sizeof "...";
+        vsnprintf(whole, (size_t)length + 1, format, again);
+        while (is_inside(whole[head]))
+            --head;
+        while (is_inside(whole[tail]))
+            ++tail;
+        snprintf(line + head, size - head, "...%s", whole + tail);
+    }
+    free(whole);
+    va_end(again);
 }
 
 static void drop_cut_character(char *line)

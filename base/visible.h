@@ -4,6 +4,7 @@
 #ifndef BASE_VISIBLE_H
 #define BASE_VISIBLE_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -20,6 +21,10 @@ bool utf8_is_control(const char *at, size_t length);
 // bytes that was.
 enum { VISIBLE_MOST = 4 * 4 + 1 };
 size_t visible_show(const char *at, size_t n, const char *kept, char shown[VISIBLE_MOST]);
+
+// Writes a line of `size` bytes with its end. A text that is too long, as with a long path, loses
+// its middle: the end says what is wrong.
+void visible_write(char *line, size_t size, const char *format, va_list args);
 
 // Shows a line in place, of `size` bytes with its end: what does not fit is left out, and so is a
 // character that was cut.

@@ -173,11 +173,6 @@ static bool refuse_name(const char *prefix, const char *given_by, const char *na
     return false;
 }
 
-static const char *mode_name(int mode)
-{
-    return duet_mode_name((duet_mode)mode);
-}
-
 static bool change_mode(const plan_options *options, duet_mode *mode, duet_error *err)
 {
     return !options->mode || mode_from_name(options->mode, mode) ||

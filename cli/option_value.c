@@ -119,6 +119,9 @@ bool option_set(const command_line *line, const option *o, const char *written, 
     case KIND_INPUT:
     case KIND_OUTPUT:
     case KIND_LATER:
+        if (!*written)
+            return REFUSE(line, "--%s '': the value is empty; expected --%s %s", o->name, o->name,
+                          o->value);
         *(const char **)at = written;
         return true;
     case KIND_SETTINGS:

@@ -157,6 +157,9 @@ static bool check_operands(const command_line *line, const given_options *given,
     if (!instead && n < least)
         return REFUSE(line, "%.*s is missing; 'duet %s --help' says what it is", length, name,
                       line->name);
+    if (n > 0 && !*operands[0] && !line->takes_empty)
+        return REFUSE(line, "%.*s is ''; 'duet %s --help' says what it is", length, name,
+                      line->name);
     if (n > most)
         return REFUSE(line, "unexpected argument '%s'; 'duet %s --help' shows the form",
                       operands[most], line->name);

@@ -16,7 +16,7 @@
 
 typedef enum option_kind {
     KIND_FLAG,     // bool
-    KIND_TEXT,     // const char *
+    KIND_TEXT,     // const char *, not empty, as the following
     KIND_INPUT,    // const char *, a file to read, as the operands are
     KIND_OUTPUT,   // const char *, a file to write; "-" is stdout
     KIND_LATER,    // const char *, a file that the subcommand checks before it writes it
@@ -89,6 +89,7 @@ typedef struct command_line {
     const char *about;        // one line of help, a sentence
     const option *options;    // ends with a row without name
     const option_rule *rules; // ends with {0}; NULL: none
+    bool takes_empty;         // an operand may be '', with which each uid of a profile begins
     bool rest_is_operands;    // passes on what follows the first operand unread
     // Says what is wrong between options that are each right. NULL: nothing is wrong.
     const char *(*refuse)(const void *args, char **operands);

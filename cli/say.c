@@ -33,8 +33,8 @@ int say_status(const duet_error *err)
 
 static void print_line(const char *before, const char *format, va_list args)
 {
-    char line[4096];
-    vsnprintf(line, sizeof line, format, args);
+    char line[1024];
+    visible_write(line, sizeof line, format, args);
     visible_line(line, sizeof line);
     fprintf(stderr, "duet%s: %s\n", before, line);
 }

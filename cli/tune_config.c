@@ -41,12 +41,13 @@ static const char *find_path(lua_State *L, const char *path)
     return keep_string(L);
 }
 
-static void settle_paths(lua_State *L, config_workload *w)
+static void settle_paths(lua_State *L, const field_table *row, config_workload *w)
 {
     shipped_scene shipped;
     if (!w->scene == !w->task)
-        field_raise(L, "workloads", "a workload needs a scene or a task, the path of a file%s",
-                    w->task ? "; this one has both" : "");
+        field_raise_in(L, row, w->task ? "task" : NULL,
+                       "%s; expected a scene or a task, the path of a file",
+                       w->task ? "it has a scene and a task" : "it has no scene and no task");
     if (w->task)
         w->task = find_path(L, w->task);
     else if (!shipped_find(w->scene, &shipped))
@@ -65,11 +66,17 @@ static void read_settings(lua_State *L, const field *f, void *at)
     if (!lua_istable(L, -1))
         field_refuse(L, f, "a table");
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        if (lua_type(L, -2) != LUA_TSTRING || w->n_settings == CONFIG_SETTINGS)
-            field_raise(L, "set", "set is up to %d parameters of the scene or task, by name",
-                        CONFIG_SETTINGS);
-        const char *value = script_tostring(L, -1, NULL);
-        lua_pushfstring(L, "%s=%s", lua_tostring(L, -3), value);
+        const char *name = field_text(L, -2);
+        if (!name || w->n_settings == CONFIG_SETTINGS)
+            field_raise_in(L, f->table, f->name,
+                           "set is up to %d parameters of the scene or task, by name",
+                           CONFIG_SETTINGS);
+        size_t length = 0;
+        const char *value = script_tostring(L, -1, &length);
+        if (strlen(value) < length)
+            field_raise_in(L, f->table, f->name, "set: %s is '%s'; expected a value without NUL",
+                           name, field_push_shown(L, -1));
+        lua_pushfstring(L, "%s=%s", name, value);
         w->settings[w->n_settings++] = keep_string(L);
         lua_pop(L, 1);
     }
@@ -86,44 +93,50 @@ static const field workload_fields[] = {
     {0},
 };
 
-static void check_query(lua_State *L, const config_workload *w)
+static void check_query(lua_State *L, const field_table *row, const config_workload *w)
 {
     if (w->task && w->query)
-        field_raise(L, "query", "a task has no query; expected a scene");
+        field_raise_in(L, row, "query", "a task has no query; expected a scene");
     if (w->items > 0 && !w->query)
-        field_raise(L, "items", "items is a number of rays, boxes ... of a query");
+        field_raise_in(L, row, "items", "items is a number of rays, boxes ... of a query");
     if (w->steps > 0 && (w->query || w->task))
-        field_raise(L, "steps", "steps is a number of 2 or more, of a scene without a query");
+        field_raise_in(L, row, "steps",
+                       "steps is a number of 2 or more, of a scene without a query");
 }
 
-// n is on top of the stack.
-static void add_workload(lua_State *L, tune_config *c, const config_workload *w)
+// n is on top of the stack; -1 for none.
+static void add_workload(lua_State *L, const field_table *row, tune_config *c,
+                         const config_workload *w)
 {
-    int whole = 0;
-    lua_Integer n = lua_type(L, -1) == LUA_TNUMBER ? lua_tointegerx(L, -1, &whole) : 0;
-    n = lua_isnil(L, -1) ? -1 : whole ? n : -2;
+    const field n = {.name = "n",
+                     .table = row,
+                     .size = sizeof w->n,
+                     .most = UINT32_MAX,
+                     .expected = "a number of objects, or a list of them"};
     if (c->n_workloads == CONFIG_WORKLOADS)
         field_raise(L, "workloads", "at most %d workloads, each n counting", CONFIG_WORKLOADS);
-    if (n < -1 || n > UINT32_MAX)
-        field_raise(L, "n", "n is a number of objects, or a list of them");
-    c->workloads[c->n_workloads] = *w;
-    c->workloads[c->n_workloads++].n = n;
+    config_workload *added = &c->workloads[c->n_workloads++];
+    *added = *w;
+    added->n = -1;
+    if (!lua_isnil(L, -1))
+        field_int.read(L, &n, &added->n);
 }
 
 // Number i of the list on top of the stack.
 static void read_workload(lua_State *L, lua_Integer i, tune_config *c)
 {
+    const field_table row = {"workload", i, "workloads"};
     config_workload w = {0};
     lua_rawgeti(L, -1, i);
-    field_read_row(L, -1, (field_table){"workload", i}, workload_fields, &w);
-    settle_paths(L, &w);
-    check_query(L, &w);
+    field_read_row(L, -1, row, workload_fields, &w);
+    settle_paths(L, &row, &w);
+    check_query(L, &row, &w);
     lua_getfield(L, -1, "n");
     if (!lua_istable(L, -1))
-        add_workload(L, c, &w);
+        add_workload(L, &row, c, &w);
     for (lua_Integer k = 1; lua_istable(L, -1) && k <= (lua_Integer)lua_rawlen(L, -1); ++k) {
         lua_rawgeti(L, -1, k);
-        add_workload(L, c, &w);
+        add_workload(L, &row, c, &w);
         lua_pop(L, 1);
     }
     lua_pop(L, 2);
@@ -149,9 +162,9 @@ static void read_strategy(lua_State *L, const field *f, void *at)
         return;
     }
     field_string.read(L, f, &c->def.strategy);
-    if (!strategy_find(c->def.strategy))
-        field_raise(L, "strategy", "there is no strategy '%s'; a function may also be given",
-                    c->def.strategy);
+    duet_error why = {0};
+    if (!strategy_check(c->def.strategy, &why))
+        field_raise(L, "strategy", "%s; a function may also be given", why.text);
 }
 
 static void read_objective(lua_State *L, const field *f, void *at)
@@ -159,39 +172,27 @@ static void read_objective(lua_State *L, const field *f, void *at)
     const char *objective = NULL;
     field_string.read(L, f, &objective);
     if (strcmp(objective, "time") != 0 && strcmp(objective, "energy") != 0)
-        field_raise(L, "objective", "there is no objective '%s'; expected 'time' or 'energy'",
-                    objective);
+        field_refuse(L, f, "time or energy");
     *(const char **)at = objective;
 }
 
 static void read_modes(lua_State *L, const field *f, void *at)
 {
     tune_config *c = at;
-    field_name_list list;
-    field_names.read(L, f, &list);
-    if (list.n > CONFIG_MODES)
-        field_raise(L, "modes", "modes is a list of %u; expected at most %d", list.n, CONFIG_MODES);
-    c->def.n_modes = list.n;
-    for (uint32_t i = 0; i < list.n; ++i)
-        if (!mode_from_name(list.names[i], &c->modes[i]))
-            field_raise(L, "modes", "there is no mode '%s'", list.names[i]);
+    field_enum_list list;
+    field_enums.read(L, f, &list);
+    for (c->def.n_modes = 0; c->def.n_modes < list.n; ++c->def.n_modes)
+        c->modes[c->def.n_modes] = (duet_mode)list.values[c->def.n_modes];
 }
 
 // level = "sat6", or a list of levels that accuracy chooses from.
 static void read_levels(lua_State *L, const field *f, void *at)
 {
     tune_config *c = at;
-    field_name_list list = {.n = 1};
-    if (lua_istable(L, -1))
-        field_names.read(L, f, &list);
-    else
-        field_string.read(L, f, &list.names[0]);
-    if (list.n > DUET_LEVELS)
-        field_raise(L, "level", "level is a list of %u; expected at most %d", list.n, DUET_LEVELS);
-    c->def.n_levels = list.n;
-    for (uint32_t i = 0; i < list.n; ++i)
-        if (!duet_level_from_name(list.names[i], &c->levels[i]))
-            field_raise(L, "level", "there is no level '%s'", list.names[i]);
+    field_enum_list list;
+    field_enums.read(L, f, &list);
+    for (c->def.n_levels = 0; c->def.n_levels < list.n; ++c->def.n_levels)
+        c->levels[c->def.n_levels] = (duet_level)list.values[c->def.n_levels];
 }
 
 static void read_accuracy(lua_State *L, const field *f, void *at)
@@ -214,7 +215,7 @@ static const field budget_fields[] = {
 static void read_budget(lua_State *L, const field *f, void *at)
 {
     (void)f;
-    field_read_row(L, -1, (field_table){"budget", -1}, budget_fields, at);
+    field_read_row(L, -1, (field_table){"budget", -1, NULL}, budget_fields, at);
 }
 
 #define READ_BY(name_, reader)                       \
@@ -231,12 +232,12 @@ static const field config_fields[] = {
     READ_BY("strategy", read_strategy),
     FIELDS(tune_config, variants),
     FIELDS_IN(tune_config, def., search),
-    READ_BY("modes", read_modes),
+    {.name = "modes", .type = &(const field_type){.read = read_modes}, .name_of = mode_name},
     FIELD_AT("budget", (const field_type){.read = read_budget}, tune_config, def),
     FIELD_WITHIN(tune_config, def., repeats, 0, 32, "a number from 0 to 32"),
     FIELD_WITHIN(tune_config, def., seed, 0, INT32_MAX, A_COUNT),
     FIELD_AT("objective", (const field_type){.read = read_objective}, tune_config, def.objective),
-    READ_BY("level", read_levels),
+    {.name = "level", .type = &(const field_type){.read = read_levels}, .name_of = level_name},
     READ_BY("accuracy", read_accuracy),
     {0},
 };

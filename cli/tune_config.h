@@ -8,7 +8,7 @@
 #include "gen/script.h"
 #include "tuner/duet_tune.h"
 
-enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16, CONFIG_MODES = 8 };
+enum { CONFIG_WORKLOADS = 256, CONFIG_SETTINGS = 16 };
 
 // One scene or task at one size, or what a tree of the scene is asked.
 typedef struct config_workload {
@@ -28,8 +28,8 @@ typedef struct tune_config {
     const char *pair;         // "A,B", or NULL
     duet_tune_def def;        // the rest of what the file says: how to tune each workload
     field_name_list variants; // the def's lists
-    duet_mode modes[CONFIG_MODES];
-    duet_level levels[DUET_LEVELS];
+    duet_mode modes[FIELD_NAMES];
+    duet_level levels[FIELD_NAMES];
     script *script; // keeps the strings
     text text;      // the file's text
     text list;      // variants that a caller gave as one text

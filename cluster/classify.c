@@ -8,9 +8,9 @@
 typedef struct job {
     owned *o;
     classes *c;
-    const skim_block *blocks; // a device's blocks
-    uint32_t from;            // the first object that is looked at in the blocks
-    atomic_flag adds;         // to o's boxes
+    const interior_block *blocks; // a device's blocks
+    uint32_t from;                // the first object that is looked at in the blocks
+    atomic_flag adds;             // to o's boxes
 } job;
 
 // ---------------------------------------------------------------- one object
@@ -97,7 +97,8 @@ static uint32_t classify_stretch(job *j, class_part *p, uint32_t first, uint32_t
     level_boxes boxes;
     level_boxes_clear(&boxes);
     uint32_t row = first;
-    while ((row = object_rows_skim(&o->rows, &o->form, row, end, &inside, &p->deep)) < end &&
+    while ((row = object_rows_add_interior(&o->rows, &o->form, row, end, &inside, &p->deep)) <
+               end &&
            domain_of(o, row) == d) {
         if (classify_row(o, p, &o->domains[d], &inside, &boxes, row)) {
             add_run(o, p, d, first, row);
@@ -117,7 +118,7 @@ static void classify_rows(void *context, uint32_t part, uint64_t first, uint64_t
     class_part p = j->c->parts[part]; // apart from what other threads write
     for (uint32_t row = (uint32_t)first; row < end;)
         row = classify_stretch(j, &p, row, (uint32_t)end);
-    p.widest = fmax(p.widest, skim_widest(&p.deep, &j->o->form));
+    p.widest = fmax(p.widest, interior_widest(&p.deep, &j->o->form));
     j->c->parts[part] = p;
 }
 
@@ -133,11 +134,11 @@ static void classify_odd(void *context, uint32_t part, uint64_t first, uint64_t 
     level_boxes boxes;
     level_boxes_clear(&boxes);
     for (uint64_t i = j->from + first; i < j->from + end;) {
-        const skim_block *b = &j->blocks[i / SKIM_ROWS];
-        uint32_t odd = b->odd[i % SKIM_ROWS / 32] >> i % 32;
+        const interior_block *b = &j->blocks[i / INTERIOR_ROWS];
+        uint32_t odd = b->odd[i % INTERIOR_ROWS / 32] >> i % 32;
         if (odd & 1)
             classify_row(o, &p, &o->domains[0], &inside, &boxes, (uint32_t)i);
-        uint32_t passed = b->n_odd == 0 ? SKIM_ROWS - 1 : odd > 1 ? 0 : 31;
+        uint32_t passed = b->n_odd == 0 ? INTERIOR_ROWS - 1 : odd > 1 ? 0 : 31;
         i = (i | passed) + 1;
     }
     add_boxes(j, 0, &boxes);
@@ -152,17 +153,18 @@ static bool classify_on_device(job *j)
     worker *w = o->holder;
     const extent inside = deep_inside(o, &o->domains[0]);
     float lower[3], upper[3];
-    skim_box(&inside, lower, upper);
-    if (!w || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN || !w->skim(w, lower, upper))
+    interior_box(&inside, lower, upper);
+    if (!w || o->rows.n == 0 || o->placement != PLACED_BY_DOMAIN ||
+        !w->find_interior(w, lower, upper))
         return false;
     for (uint32_t from = 0, to; from < o->rows.n; from = to) {
-        to = w->await_skim(w, from, &j->blocks);
+        to = w->await_interior(w, from, &j->blocks);
         j->from = from;
         parallel_each(o->threads, to - from, classify_odd, j);
-        for (uint32_t i = from; i < to; i += SKIM_ROWS)
-            skim_add_block(&j->c->deep, &j->blocks[i / SKIM_ROWS]);
+        for (uint32_t i = from; i < to; i += INTERIOR_ROWS)
+            interior_add_block(&j->c->deep, &j->blocks[i / INTERIOR_ROWS]);
     }
-    j->c->widest = skim_widest(&j->c->deep, &o->form);
+    j->c->widest = interior_widest(&j->c->deep, &o->form);
     return true;
 }
 
@@ -173,7 +175,7 @@ static void begin(class_part *p)
     p->n_bad = 0;
     p->first_bad = UINT64_MAX;
     p->widest = 0;
-    p->deep = skim_none;
+    p->deep = interior_none;
     list_clear(&p->leavers.list);
     list_clear(&p->boundary.list);
     list_clear(&p->runs.list);
@@ -209,7 +211,7 @@ bool classify(classes *c, owned *o)
     c->n_bad = 0;
     c->first_bad = UINT64_MAX;
     c->widest = 0;
-    c->deep = skim_none;
+    c->deep = interior_none;
     list_clear(&c->leavers.list);
     list_clear(&o->boundary.list);
     list_clear(&o->runs.list);

@@ -5,7 +5,7 @@
 #ifndef CLUSTER_CLASSIFY_H
 #define CLUSTER_CLASSIFY_H
 
-#include "cluster/object_skim.h"
+#include "cluster/interior.h"
 #include "cluster/owned.h"
 
 // Holds what one thread finds.
@@ -13,7 +13,7 @@ typedef struct class_part {
     uint64_t n_bad;
     uint64_t first_bad; // the least id of these
     double widest;
-    skim deep; // objects that were passed over
+    interior deep; // objects that were passed over
     row_list leavers;
     row_list boundary;
     run_list runs; // of several domains
@@ -23,7 +23,7 @@ typedef struct classes {
     class_part parts[PARALLEL_MOST]; // their lists' memory is used again
     uint64_t n_bad, first_bad;       // all of them together
     double widest;
-    skim deep;
+    interior deep;
     row_list leavers; // ascending
 } classes;
 

@@ -4,7 +4,7 @@
 #ifndef CLUSTER_WORKER_H
 #define CLUSTER_WORKER_H
 
-#include "kernels/grid/skim.h"
+#include "kernels/grid/interior.h"
 #include "runtime/broadphase/global_ids.h"
 #include "runtime/duet.h"
 
@@ -37,10 +37,10 @@ struct worker {
 
     // Begins to classify which of these lie deep inside of a box; false if the host must look at
     // all.
-    bool (*skim)(worker *w, const float inside_lower[3], const float inside_upper[3]);
+    bool (*find_interior)(worker *w, const float inside_lower[3], const float inside_upper[3]);
     // Waits for blocks of objects from `from` on, 0 at first. Returns up to which object they are
     // there.
-    uint32_t (*await_skim)(worker *w, uint32_t from, const skim_block **blocks);
+    uint32_t (*await_interior)(worker *w, uint32_t from, const interior_block **blocks);
     // Finds the order in which objects are best kept: order[i] becomes the one that comes i-th, by
     // so many threads, with the caller's. scratch has WORKER_ORDER_SCRATCH bytes for each.
     bool (*order)(worker *w, uint32_t n_threads, uint32_t *order, void *scratch, duet_error *err);

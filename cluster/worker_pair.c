@@ -24,14 +24,14 @@ static void begin(worker *w, uint32_t n)
     world_prefetch(((worker_pair *)w)->world, n);
 }
 
-static bool skim_objects(worker *w, const float inside_lower[3], const float inside_upper[3])
+static bool find_interior(worker *w, const float inside_lower[3], const float inside_upper[3])
 {
-    return world_skim(((worker_pair *)w)->world, inside_lower, inside_upper);
+    return world_find_interior(((worker_pair *)w)->world, inside_lower, inside_upper);
 }
 
-static uint32_t await_skim(worker *w, uint32_t from, const skim_block **blocks)
+static uint32_t await_interior(worker *w, uint32_t from, const interior_block **blocks)
 {
-    return world_await_skim(((worker_pair *)w)->world, from, blocks);
+    return world_await_interior(((worker_pair *)w)->world, from, blocks);
 }
 
 static void *map_with_spare(worker_pair *p, uint32_t n, duet_error *err)
@@ -181,8 +181,8 @@ worker *worker_open_pair(const duet_world_def *def, duet_error *err)
     own.keep_bad = true; // so that it is the cluster that names a bad object
     p->base = (worker){.map = map,
                        .begin = begin,
-                       .skim = skim_objects,
-                       .await_skim = await_skim,
+                       .find_interior = find_interior,
+                       .await_interior = await_interior,
                        .extend = extend,
                        .order = order,
                        .forget_grids = forget_grids,

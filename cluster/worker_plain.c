@@ -54,13 +54,13 @@ static void *extend(worker *w, uint32_t n, uint32_t kept, duet_error *err)
     return map(w, n, err);
 }
 
-static bool skim_nothing(worker *w, const float inside_lower[3], const float inside_upper[3])
+static bool find_nothing(worker *w, const float inside_lower[3], const float inside_upper[3])
 {
     (void)w, (void)inside_lower, (void)inside_upper;
     return false;
 }
 
-static uint32_t await_nothing(worker *w, uint32_t from, const skim_block **blocks)
+static uint32_t await_nothing(worker *w, uint32_t from, const interior_block **blocks)
 {
     (void)w, (void)blocks;
     return from;
@@ -175,8 +175,8 @@ worker *worker_open_plain(const duet_world_def *def, const simulation *s, duet_e
                        .map = map,
                        .extend = extend,
                        .begin = begin,
-                       .skim = skim_nothing,
-                       .await_skim = await_nothing,
+                       .find_interior = find_nothing,
+                       .await_interior = await_nothing,
                        .order = order,
                        .use_grid = use_grid,
                        .forget_grids = forget_grids,

@@ -87,7 +87,7 @@ static void check_range(lua_State *L, const gen_param *param)
 // The first value by default. A function's is asked for each device (card_ask.c).
 static void read_fallback(lua_State *L, gen_param *param)
 {
-    const field_table table = {param->name, -1};
+    const field_table table = {param->name, -1, NULL};
     const field fallback = {FIELD_ROW("default", field_int, gen_param, fallback), .table = &table};
     param->fallback = param->n_values > 0 ? param->values[0] : param->least;
     bool computed = lua_getfield(L, -1, "default") == LUA_TFUNCTION;
@@ -121,7 +121,7 @@ static void read_param(lua_State *L, card *c)
     ++c->n_params;
     param->least = INT64_MIN;
     param->most = INT64_MAX;
-    field_read_row(L, -1, (field_table){param->name, -1}, param_fields, param);
+    field_read_row(L, -1, (field_table){param->name, -1, NULL}, param_fields, param);
     param->is_range = param->least != INT64_MIN || param->most != INT64_MAX;
     check_range(L, param);
     read_fallback(L, param);

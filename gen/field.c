@@ -1,21 +1,62 @@
 // SPDX-License-Identifier: MIT
 #include "gen/field.h"
 
+#include "base/visible.h"
+
 #include <lauxlib.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+// ---------------------------------------------------------------- messages
+
+const char *field_text(lua_State *L, int index)
+{
+    const char *chars = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : NULL;
+    return chars && strlen(chars) == lua_rawlen(L, index) ? chars : NULL;
+}
+
+// Cuts and shows the text on top of the stack in place.
+static const char *show_text(lua_State *L)
+{
+    enum { MOST = 100 };
+    luaL_Buffer line;
+    size_t n = 0, at = 0;
+    const char *chars = lua_tolstring(L, -1, &n);
+    luaL_buffinit(L, &line);
+    while (at < n && at < MOST) {
+        char shown[VISIBLE_MOST];
+        at += visible_show(chars + at, n - at, "\n\r\t", shown);
+        luaL_addstring(&line, shown);
+    }
+    luaL_addstring(&line, at < n ? "..." : "");
+    luaL_pushresult(&line);
+    lua_remove(L, -2);
+    return lua_tostring(L, -1);
+}
+
 const char *field_push_shown(lua_State *L, int index)
 {
     index = lua_absindex(L, index);
-    if (lua_type(L, index) <= LUA_TSTRING && !lua_islightuserdata(L, index))
-        return luaL_tolstring(L, index, NULL);
-    return lua_pushfstring(L, "a %s", luaL_typename(L, index));
+    if (lua_type(L, index) > LUA_TSTRING || lua_islightuserdata(L, index))
+        return lua_pushfstring(L, "a %s", luaL_typename(L, index));
+    luaL_tolstring(L, index, NULL);
+    return show_text(L);
 }
 
-// ---------------------------------------------------------------- messages
+const char *field_push_names(lua_State *L, const char *(*name_of)(int value))
+{
+    luaL_Buffer known;
+    luaL_buffinit(L, &known);
+    for (int i = 0; name_of(i); ++i) {
+        luaL_addstring(&known, i ? ", " : "");
+        luaL_addstring(&known, name_of(i));
+    }
+    luaL_pushresult(&known);
+    return lua_tostring(L, -1);
+}
 
 // Names the object that the message is about, if there are several: "object 3: "; else nothing.
 static const char *push_prefix(lua_State *L, const field_table *table, const char *after)
@@ -27,41 +68,59 @@ static const char *push_prefix(lua_State *L, const field_table *table, const cha
     return lua_pushfstring(L, "%s %I%s", table->name, (LUAI_UACINT)table->row, after);
 }
 
-// The name that a line of the script has: the field's, or else that of its table: "x" of "args.x".
-static const char *name_with_line(lua_State *L, const char *name, const field_table *table)
+// The line that gives the name its value in the table, or else that of the table: "x" of "args.x".
+static int line_in(lua_State *L, const field_table *table, const char *name)
 {
-    if (!table || field_line(L, name) > 0)
-        return name;
+    int line = table && table->list ? field_line_in_row(L, table->list, table->row, name) : 0;
+    if (line == 0 && name)
+        line = field_line(L, name);
+    if (line > 0 || !table)
+        return line;
     const char *point = strrchr(table->name, '.');
-    return point ? point + 1 : table->name;
+    return field_line(L, table->list ? table->list : point ? point + 1 : table->name);
+}
+
+int field_raise_in(lua_State *L, const field_table *table, const char *name, const char *format,
+                   ...)
+{
+    char message[1000];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    return field_raise_at(L, line_in(L, table, name), "%s%s", push_prefix(L, table, ": "), message);
 }
 
 // Pushes the value on top as a message shows it: 'x', 1.5, "a list of 4", "a table".
 static const char *push_quoted(lua_State *L)
 {
-    if (lua_type(L, -1) == LUA_TSTRING)
-        return lua_pushfstring(L, "'%s'", lua_tostring(L, -1));
     if (lua_istable(L, -1) && lua_rawlen(L, -1) > 0)
         return lua_pushfstring(L, "a list of %I", (LUAI_UACINT)lua_rawlen(L, -1));
-    return field_push_shown(L, -1);
+    const char *shown = field_push_shown(L, -1);
+    return lua_type(L, -2) == LUA_TSTRING ? lua_pushfstring(L, "'%s'", shown) : shown;
 }
 
 int field_refuse(lua_State *L, const field *f, const char *expected)
 {
     const char *value = push_quoted(L);
-    const char *prefix = push_prefix(L, f->table, ": ");
-    return field_raise(L, name_with_line(L, f->name, f->table), "%s%s is %s; expected %s", prefix,
-                       f->name, value, f->expected ? f->expected : expected);
+    return field_raise_in(L, f->table, f->name, "%s is %s; expected %s", f->name, value,
+                          f->expected ? f->expected : expected);
 }
 
 // ---------------------------------------------------------------- texts
 
 // A number is not taken: lua_tostring would make a string that only the stack holds.
+static const char *take_text(lua_State *L, const field *f)
+{
+    const char *chars = field_text(L, -1);
+    if (!chars)
+        field_refuse(L, f, lua_type(L, -1) == LUA_TSTRING ? "a string without NUL" : "a string");
+    return chars;
+}
+
 static void read_string(lua_State *L, const field *f, void *at)
 {
-    if (lua_type(L, -1) != LUA_TSTRING)
-        field_refuse(L, f, "a string");
-    *(const char **)at = lua_tostring(L, -1);
+    *(const char **)at = take_text(L, f);
 }
 
 static void push_string(lua_State *L, const field *f, const void *at)
@@ -72,13 +131,11 @@ static void push_string(lua_State *L, const field *f, const void *at)
 
 static void read_chars(lua_State *L, const field *f, void *at)
 {
-    size_t length = 0;
-    if (lua_type(L, -1) != LUA_TSTRING)
-        field_refuse(L, f, "a string");
-    const char *chars = lua_tolstring(L, -1, &length);
+    const char *chars = take_text(L, f);
+    size_t length = strlen(chars);
     if (length >= f->size)
-        field_raise(L, f->name, "%s has %d characters; expected at most %d", f->name, (int)length,
-                    (int)f->size - 1);
+        field_raise_in(L, f->table, f->name, "%s has %zu characters; expected at most %zu", f->name,
+                       length, f->size - 1);
     memcpy(at, chars, length + 1);
 }
 
@@ -88,31 +145,39 @@ static void push_chars(lua_State *L, const field *f, const void *at)
     lua_pushstring(L, at);
 }
 
-// Pushes "a, b, c".
-static const char *push_enum_names(lua_State *L, const field *f)
+// The value whose name is on top of the stack.
+static int take_enum(lua_State *L, const field *f)
 {
-    luaL_Buffer known;
-    luaL_buffinit(L, &known);
-    for (int i = 0; f->name_of(i); ++i) {
-        luaL_addstring(&known, i ? ", " : "");
-        luaL_addstring(&known, f->name_of(i));
+    const char *name = field_text(L, -1);
+    int value = 0;
+    while (f->name_of(value) && (!name || strcmp(name, f->name_of(value)) != 0))
+        ++value;
+    if (!f->name_of(value)) {
+        const char *expected = lua_pushfstring(L, "one of %s", field_push_names(L, f->name_of));
+        lua_pushvalue(L, -3);
+        field_refuse(L, f, expected);
     }
-    luaL_pushresult(&known);
-    return lua_tostring(L, -1);
+    return value;
 }
 
 static void read_enum(lua_State *L, const field *f, void *at)
 {
-    const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    int value = 0;
-    while (f->name_of(value) && strcmp(name, f->name_of(value)) != 0)
-        ++value;
-    if (!f->name_of(value)) {
-        const char *expected = lua_pushfstring(L, "one of %s", push_enum_names(L, f));
-        lua_pushvalue(L, -3);
-        field_refuse(L, f, expected);
-    }
+    int value = take_enum(L, f);
     memcpy(at, &value, sizeof value); // an enum of ours is an int
+}
+
+static void read_enums(lua_State *L, const field *f, void *at)
+{
+    field_enum_list *list = at;
+    lua_Unsigned n = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+    if (n > FIELD_NAMES)
+        field_refuse(L, f, "a list of 1 to 32 names");
+    for (list->n = 0; list->n < n; lua_pop(L, 1)) {
+        lua_rawgeti(L, -1, (lua_Integer)list->n + 1);
+        list->values[list->n++] = take_enum(L, f);
+    }
+    if (n == 0)
+        list->values[list->n++] = take_enum(L, f);
 }
 
 static void push_enum(lua_State *L, const field *f, const void *at)
@@ -277,9 +342,9 @@ static void read_names(lua_State *L, const field *f, void *at)
         field_refuse(L, f, "a list of 1 to 32 names");
     for (list->n = 0; list->n < n; ++list->n) {
         lua_rawgeti(L, -1, (lua_Integer)list->n + 1);
-        if (lua_type(L, -1) != LUA_TSTRING)
+        list->names[list->n] = field_text(L, -1);
+        if (!list->names[list->n])
             field_refuse(L, f, "a list of names");
-        list->names[list->n] = lua_tostring(L, -1);
         lua_pop(L, 1);
     }
 }
@@ -306,6 +371,7 @@ const field_type field_double = {.read = read_double, .push = push_double};
 const field_type field_counts = {.push = push_counts};
 const field_type field_sizes = {.push = push_sizes};
 const field_type field_enum = {.read = read_enum, .push = push_enum};
+const field_type field_enums = {.read = read_enums};
 const field_type field_names = {.read = read_names};
 const field_type field_function = {.read = read_function};
 const field_type field_unread = {.read = read_nothing};
@@ -318,6 +384,11 @@ const field *field_named(const field *fields, const char *name)
         if (strcmp(f->name, name) == 0)
             return f;
     return NULL;
+}
+
+bool field_is_given(const field *fields, uint64_t given, const char *name)
+{
+    return given >> (field_named(fields, name) - fields) & 1;
 }
 
 // Pushes "a, b, c".
@@ -333,17 +404,18 @@ static const char *push_field_names(lua_State *L, const field *fields)
     return lua_tostring(L, -1);
 }
 
-// Raises; the key is at -2.
+// Raises; the key is on top.
 static void refuse_key(lua_State *L, const char *what, const field_table *table,
                        const field *fields)
 {
-    bool named = lua_type(L, -2) == LUA_TSTRING;
-    const char *key = field_push_shown(L, -2);
+    const char *name = field_text(L, -1);
+    bool quoted = lua_type(L, -1) == LUA_TSTRING;
+    const char *key = field_push_shown(L, -1);
     const char *whole = table ? push_prefix(L, table, "") : what;
-    field_raise(L, name_with_line(L, named ? key : "", table),
-                named ? "%s has no field '%s'; its fields are %s"
-                      : "%s has no field [%s]; its fields are %s",
-                whole, key, push_field_names(L, fields));
+    field_raise_at(L, line_in(L, table, name),
+                   quoted ? "%s has no field '%s'; its fields are %s"
+                          : "%s has no field [%s]; its fields are %s",
+                   whole, key, push_field_names(L, fields));
 }
 
 // The value at index is one of several and should be a table.
@@ -352,8 +424,8 @@ static void refuse_table(lua_State *L, int index, const field_table *table, cons
     lua_pushvalue(L, index);
     const char *value = push_quoted(L);
     const char *whole = push_prefix(L, table, "");
-    field_raise(L, table->name, "%s is %s; expected a table of %s", whole, value,
-                push_field_names(L, fields));
+    field_raise_at(L, line_in(L, table, NULL), "%s is %s; expected a table of %s", whole, value,
+                   push_field_names(L, fields));
 }
 
 // The row of the key at index, which may be a string with any bytes; NULL: none.
@@ -364,10 +436,8 @@ static const field *find_key(lua_State *L, int index, const field *fields)
         snprintf(name, sizeof name, "[%lld]", (long long)lua_tointeger(L, index));
         return field_named(fields, name);
     }
-    if (lua_type(L, index) != LUA_TSTRING)
-        return NULL;
-    const char *name = lua_tostring(L, index);
-    return strlen(name) == lua_rawlen(L, index) && *name != '[' ? field_named(fields, name) : NULL;
+    const char *name = field_text(L, index);
+    return name && *name != '[' ? field_named(fields, name) : NULL;
 }
 
 bool field_read_one(lua_State *L, int index, const field *f, void *to)
@@ -386,25 +456,51 @@ bool field_read_one(lua_State *L, int index, const field *f, void *to)
     return given;
 }
 
-// First which fields there are, since Lua's own order changes from run to run.
+// Whether the key at index a is shown before that at b, an absolute index; true if that is nil.
+static bool is_shown_before(lua_State *L, int a, int b)
+{
+    bool before = lua_isnil(L, b);
+    if (!before) {
+        const char *first = field_push_shown(L, a);
+        before = strcmp(first, field_push_shown(L, b)) < 0;
+        lua_pop(L, 2);
+    }
+    return before;
+}
+
+// Finds which fields the table has, and leaves on top the first key in the alphabet that is none,
+// or nil: Lua's own order changes from run to run.
+static uint64_t find_fields(lua_State *L, int index, const field *fields)
+{
+    uint64_t given = 0;
+    lua_pushnil(L);
+    int unknown = lua_gettop(L);
+    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+        const field *f = find_key(L, -2, fields);
+        if (f) {
+            given |= UINT64_C(1) << (f - fields);
+        } else if (is_shown_before(L, -2, unknown)) {
+            lua_pushvalue(L, -2);
+            lua_replace(L, unknown);
+        }
+    }
+    return given;
+}
+
 static uint64_t read_fields(lua_State *L, int index, const char *what, const field_table *table,
                             const field *fields, void *to)
 {
-    uint64_t given = 0;
     if (lua_isnoneornil(L, index) && !table)
         return 0;
     index = lua_absindex(L, index);
     if (table && !lua_istable(L, index))
         refuse_table(L, index, table, fields);
     luaL_checktype(L, index, LUA_TTABLE);
-    luaL_checkstack(L, 12, "too many tables in tables");
-    for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
-        const field *f = find_key(L, -2, fields);
-        if (!f)
-            refuse_key(L, what, table, fields);
-        else
-            given |= UINT64_C(1) << (f - fields);
-    }
+    luaL_checkstack(L, 16, "too many tables in tables");
+    uint64_t given = find_fields(L, index, fields);
+    if (!lua_isnil(L, -1))
+        refuse_key(L, what, table, fields);
+    lua_pop(L, 1);
     for (uint64_t left = given; left; left &= left - 1) {
         field f = fields[__builtin_ctzll(left)];
         f.table = table;

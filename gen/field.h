@@ -27,6 +27,7 @@ typedef struct field_type {
 typedef struct field_table {
     const char *name;
     lua_Integer row;
+    const char *list; // the field whose rows such tables are, "workloads"; NULL: none
 } field_table;
 
 struct field {
@@ -47,6 +48,12 @@ typedef struct field_name_list {
     uint32_t n;
 } field_name_list;
 
+// Values of an enum, by a list of their names or by one name.
+typedef struct field_enum_list {
+    int values[FIELD_NAMES];
+    uint32_t n;
+} field_enum_list;
+
 // Rows of a table of fields, which ends with {0}: several whose types say how they are read, of a
 // struct or of one that lies in it at `path`, which ends with a point; and one of another type.
 #define FIELDS(struct_, ...) EACH(FIELD_OF, struct_, , __VA_ARGS__)
@@ -56,6 +63,7 @@ typedef struct field_name_list {
 #define FIELD(type, struct_, member) FIELD_AT(#member, type, struct_, member)
 #define FIELD_IN(type, struct_, path, member) FIELD_AT(#member, type, struct_, path member)
 #define FIELD_ENUM(struct_, member, name_of) FIELD_ENUM_AT(#member, struct_, member, name_of)
+#define FIELD_ENUMS(struct_, path, name_of) FIELD_ENUMS_AT(#path, struct_, path, name_of)
 #define FIELD_AT(name, type, struct_, path)  \
     {                                        \
         FIELD_ROW(name, type, struct_, path) \
@@ -63,6 +71,10 @@ typedef struct field_name_list {
 #define FIELD_ENUM_AT(name, struct_, path, name_of_)                      \
     {                                                                     \
         FIELD_ROW(name, field_enum, struct_, path), .name_of = (name_of_) \
+    }
+#define FIELD_ENUMS_AT(name, struct_, path, name_of_)                      \
+    {                                                                      \
+        FIELD_ROW(name, field_enums, struct_, path), .name_of = (name_of_) \
     }
 
 // Rows with a range: finite numbers from 0 on, and any from least to most.
@@ -102,6 +114,7 @@ extern const field_type field_double;   // double, or several
 extern const field_type field_counts;   // several uint32_t
 extern const field_type field_sizes;    // several uint64_t
 extern const field_type field_enum;     // an enum, by its name
+extern const field_type field_enums;    // a field_enum_list
 extern const field_type field_names;    // a field_name_list
 extern const field_type field_function; // bool: that there is one
 extern const field_type field_unread;   // anything: the caller reads it
@@ -131,13 +144,28 @@ void field_push_list(lua_State *L, const field *fields, const void *from, uint64
 
 // NULL if there is none of that name.
 const field *field_named(const field *fields, const char *name);
+
+// Whether the rows that field_read returned have that of the name.
+bool field_is_given(const field *fields, uint64_t given, const char *name);
 void field_push(lua_State *L, const field *f, const void *from);
 
-// Pushes what a message calls the value at index: a number or text as it is,
-// others by their type, since an address would be another one on each run.
+// Returns the string at index; NULL if there is none, or one with a NUL, behind which C sees
+// nothing.
+const char *field_text(lua_State *L, int index);
+
+// Pushes what a message calls the value at index: a number as it is, a text up to its hundredth
+// byte, others by their type, since an address would be another one on each run.
 const char *field_push_shown(lua_State *L, int index);
+
+// Pushes "a, b, c", the names of an enum.
+const char *field_push_names(lua_State *L, const char *(*name_of)(int value));
 
 // Read functions refuse the value on top by it: "n is 'x'; expected a whole number".
 int field_refuse(lua_State *L, const field *f, const char *expected);
+
+// Raises "file:line: workload 3: message" about a field of the table; NULL: of the table that the
+// script returned. The line is that of the name in the table, or else that of the table.
+int field_raise_in(lua_State *L, const field_table *table, const char *name, const char *format,
+                   ...) __attribute__((format(printf, 4, 5)));
 
 #endif

@@ -74,12 +74,23 @@ static bool report_limit(script *s, duet_status status, duet_error *err)
                      budget_memory(s->limits.memory_bytes).chars);
 }
 
+// Adds the text on top of the stack, also behind a NUL.
+static void add_message(text *t, lua_State *L)
+{
+    size_t n = 0;
+    const char *chars = lua_tolstring(L, -1, &n);
+    text_add_visible(t, chars, n, "\n\r\t");
+}
+
 // Takes the error value off the stack and makes a line of it.
 static bool fail(script *s, int lua_status, duet_error *err)
 {
     const char *name = s->name.chars;
     bool is_text = lua_type(s->lua, -1) == LUA_TSTRING;
-    const char *message = is_text ? lua_tostring(s->lua, -1) : "";
+    text shown = {0};
+    if (is_text)
+        add_message(&shown, s->lua);
+    const char *message = text_chars(&shown);
     duet_status status = s->limits.failure;
     const char *rest = after_cut_name(message, &s->name);
     if (lua_status == LUA_ERRMEM || s->passed)
@@ -93,6 +104,7 @@ static bool fail(script *s, int lua_status, duet_error *err)
         error_set(err, status, "%s", message);
     else
         error_set(err, status, "%s: %s", name, message);
+    text_free(&shown);
     lua_pop(s->lua, 1);
     return false;
 }

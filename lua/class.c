@@ -237,6 +237,19 @@ void *class_object(lua_State *L, int index, const lua_class *c)
     return ((lua_handle *)class_check(L, index, c))->object;
 }
 
+const char *text_check(lua_State *L, int index)
+{
+    size_t n = 0;
+    const char *chars = luaL_checklstring(L, index, &n);
+    luaL_argcheck(L, strlen(chars) == n, index, "a string without NUL");
+    return chars;
+}
+
+const char *text_option(lua_State *L, int index)
+{
+    return lua_isnoneornil(L, index) ? NULL : text_check(L, index);
+}
+
 void class_check_limits(lua_State *L)
 {
     duet_error why = {0};

@@ -80,6 +80,11 @@ void *class_push_of(lua_State *L, const lua_class *c, size_t bytes, int parent_i
 void *class_check(lua_State *L, int index, const lua_class *c);
 void *class_object(lua_State *L, int index, const lua_class *c);
 
+// The string argument at the index, which has no NUL: C would see it cut. text_option gives NULL
+// for nil and none.
+const char *text_check(lua_State *L, int index);
+const char *text_option(lua_State *L, int index);
+
 // nil, message, "STATUS": what a failed call gives back.
 int class_push_failure(lua_State *L, const duet_error *err);
 // Raises an error if the running script's time is over or it was told to

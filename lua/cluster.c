@@ -231,7 +231,7 @@ static int cluster_load_scene(lua_State *L)
     duet_error err = {0};
     uint32_t n = 0;
     cluster_box *box = check(L);
-    const char *path = luaL_checkstring(L, 2);
+    const char *path = text_check(L, 2);
     const duet_setting *settings = scene_read_settings(L, 3, &n);
     ++box->steps;
     if (!box->calls->load_scene(box->cluster.object, path, settings, n, &err))
@@ -310,7 +310,7 @@ static int cluster_load_profile(lua_State *L)
     duet_error err = {0}, store_failed = {0};
     duet_profile profile;
     cluster_box *box = check(L);
-    const char *path = luaL_optstring(L, 2, NULL);
+    const char *path = text_option(L, 2);
     if (!box->calls->load_profile(box->cluster.object, path, &profile, &store_failed, &err))
         return class_push_failure(L, &err);
     profile_push_known(L, &profile);
@@ -365,7 +365,7 @@ static int cluster_save_pairs(lua_State *L)
 {
     duet_error err = {0};
     cluster_box *box = check(L);
-    const char *path = luaL_checkstring(L, 2);
+    const char *path = text_check(L, 2);
     bool ok = box->calls->save_pairs(box->cluster.object, path, lua_toboolean(L, 3), &err);
     return class_push_done(L, ok, &err);
 }
@@ -378,8 +378,8 @@ static int cluster_begin_motion(lua_State *L)
     duet_error err = {0};
     uint32_t n = 0;
     cluster_box *box = check(L);
-    const char *path = luaL_checkstring(L, 2);
-    const char *resume = luaL_optstring(L, 4, NULL); // before settings, which come onto the stack
+    const char *path = text_check(L, 2);
+    const char *resume = text_option(L, 4); // before settings, which come onto the stack
     const duet_setting *settings = scene_read_settings(L, 3, &n);
     bool ok = box->calls->begin_motion(box->cluster.object, path, settings, n, resume, &err);
     return class_push_done(L, ok, &err);
@@ -430,7 +430,7 @@ static int cluster_save_motion(lua_State *L)
 {
     duet_error err = {0};
     cluster_box *box = check(L);
-    const char *path = luaL_checkstring(L, 2);
+    const char *path = text_check(L, 2);
     return class_push_done(L, box->calls->save_motion(box->cluster.object, path, &err), &err);
 }
 

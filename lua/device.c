@@ -83,7 +83,7 @@ static int pair_open(lua_State *L)
     const char *const kernel_dir = def.kernel_dir;
     const char *const cache_dir = def.cache_dir;
     if (lua_type(L, 1) == LUA_TSTRING)
-        def.a = lua_tostring(L, 1);
+        def.a = text_check(L, 1);
     else
         field_read(L, 1, "a device pair",
                    FIELD_LIST(duet_device_pair_def, a, b, kernel_dir, cache_dir), &def);

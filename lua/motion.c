@@ -46,12 +46,13 @@ static motion_objects objects_of_arrays(lua_State *L, duet_device_pair *pair)
 static void keep_owners(lua_State *L, int def)
 {
     lua_pushvalue(L, 1);
-    if (lua_istable(L, def) && lua_getfield(L, def, "script") == LUA_TFUNCTION) {
+    lua_pushliteral(L, "script");
+    if (lua_istable(L, def) && lua_rawget(L, def) == LUA_TFUNCTION) {
         lua_createtable(L, 2, 0);
         lua_insert(L, -3);
         lua_rawseti(L, -3, 2);
         lua_rawseti(L, -2, 1);
-    } else if (lua_istable(L, def)) {
+    } else {
         lua_pop(L, 1);
     }
     lua_setiuservalue(L, -2, 1);
@@ -175,7 +176,7 @@ static int motion_save(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
-    const char *path = luaL_checkstring(L, 2);
+    const char *path = text_check(L, 2);
     policy_check_trusted(L, "saving a motion");
     return class_push_done(L, duet_motion_save(motion, path, &err), &err);
 }
@@ -184,7 +185,7 @@ static int motion_load(lua_State *L)
 {
     duet_error err = {0};
     motion_box *box = motion_check_box(L, 1);
-    const char *path = luaL_checkstring(L, 2);
+    const char *path = text_check(L, 2);
     policy_check_read(L, path);
     ++box->steps;
     return class_push_done(L, duet_motion_load(box->motion, path, &err), &err);
@@ -200,7 +201,7 @@ static int motion_save_recording(lua_State *L)
 {
     duet_error err = {0};
     duet_motion *motion = motion_check_lua(L);
-    const char *path = luaL_checkstring(L, 2);
+    const char *path = text_check(L, 2);
     policy_check_trusted(L, "saving a recording");
     return class_push_done(L, duet_motion_save_recording(motion, path, &err), &err);
 }

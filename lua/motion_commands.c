@@ -8,19 +8,30 @@
 
 // ---------------------------------------------------------------- lists
 
+// Pushes the field of a table, or nil; metatables are not asked. Returns whether there is one.
+static bool push_raw(lua_State *L, int index, const char *name)
+{
+    lua_pushnil(L);
+    if (lua_istable(L, index)) {
+        lua_pushstring(L, name);
+        lua_rawget(L, index);
+        lua_replace(L, -2);
+    }
+    return !lua_isnil(L, -1);
+}
+
 duet_body_list command_check_list_lua(lua_State *L)
 {
     const int index = 2;
-    if (lua_type(L, index) == LUA_TTABLE && lua_getfield(L, index, "first") != LUA_TNIL) {
-        lua_getfield(L, index, "n");
+    if (push_raw(L, index, "first")) {
+        push_raw(L, index, "n");
         lua_Integer first = luaL_checkinteger(L, -2), n = luaL_checkinteger(L, -1);
         luaL_argcheck(L, first >= 0 && first <= UINT32_MAX && n >= 0 && n <= UINT32_MAX, index,
                       "first and n from 0");
         lua_pop(L, 2);
         return (duet_body_list){.first = (uint32_t)first, .n = (uint32_t)n};
     }
-    if (lua_type(L, index) == LUA_TTABLE)
-        lua_pop(L, 1);
+    lua_pop(L, 1);
     if (lua_type(L, index) == LUA_TNUMBER) {
         lua_Integer id = luaL_checkinteger(L, index);
         lua_createtable(L, 1, 0);
@@ -43,8 +54,8 @@ static const void *check_rows(lua_State *L, int index, array_kind kind, uint32_t
 
 static uint32_t field_of(lua_State *L, int index)
 {
-    const char *name = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "?";
-    for (uint32_t i = 0; duet_body_field_name(1u << i); ++i)
+    const char *name = field_text(L, index);
+    for (uint32_t i = 0; name && duet_body_field_name(1u << i); ++i)
         if (strcmp(duet_body_field_name(1u << i), name) == 0)
             return 1u << i;
     return (uint32_t)luaL_error(
@@ -52,7 +63,7 @@ static uint32_t field_of(lua_State *L, int index)
         "'%s' is no field that can be set; expected velocity, "
         "angular_velocity, mass, restitution, friction, filter, "
         "fixed_rotation, radius, rolling_resistance, surface_velocity or material",
-        name);
+        field_push_shown(L, index));
 }
 
 // "velocity" or { "velocity", "mass" }

@@ -3,6 +3,7 @@
 #include "lua/motion.h"
 #include "lua/policy.h"
 #include "lua/tune.h"
+#include "runtime/broadphase/variant.h"
 
 typedef enum followed { WORLD, MOTION, TASK } followed;
 
@@ -21,12 +22,13 @@ static const lua_class online_class = {
 typedef struct online_def {
     duet_online_def def;
     field_name_list variants;
-    field_name_list modes;
+    field_enum_list modes;
 } online_def;
 
 static const field online_fields[] = {
     FIELDS_IN(online_def, def., most_extra, keep, store),
-    FIELDS(online_def, variants, modes),
+    FIELDS(online_def, variants),
+    FIELD_ENUMS(online_def, modes, mode_name),
     {0},
 };
 
@@ -62,7 +64,7 @@ static int world_online(lua_State *L)
 {
     duet_error err = {0};
     world_box *world = world_check(L);
-    duet_mode modes[32];
+    duet_mode modes[FIELD_NAMES];
     online_def o = {.def = duet_default_online_def()};
     field_read(L, 2, "an online plan", online_fields, &o);
     if (o.def.keep)
@@ -70,7 +72,7 @@ static int world_online(lua_State *L)
     o.def.world = world->world;
     o.def.variants = o.variants.names;
     o.def.n_variants = o.variants.n;
-    o.def.n_modes = tune_read_modes(L, &o.modes, modes);
+    o.def.n_modes = tune_take_modes(&o.modes, modes);
     o.def.modes = modes;
     online_box *box = class_push_of(L, &online_class, sizeof *box, 1);
     ++world->steps; // create steps the world

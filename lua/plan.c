@@ -2,13 +2,9 @@
 // How a step is done: plans, { share = 0.25, mode = "own", variant_a = ..., variant_b = ... },
 // and levels of accuracy, by their names.
 #include "lua/nouns.h"
+#include "runtime/broadphase/variant.h"
 
 #include <math.h>
-
-static const char *mode_name(int mode)
-{
-    return duet_mode_name((duet_mode)mode);
-}
 
 static void read_share(lua_State *L, const field *f, void *at)
 {
@@ -67,10 +63,11 @@ static int modes(lua_State *L)
 duet_level level_check(lua_State *L, int index)
 {
     duet_level level = DUET_LEVEL_CERTIFIED;
-    const char *name = luaL_checkstring(L, index);
+    const char *name = text_check(L, index);
     if (!duet_level_from_name(name, &level))
         luaL_argerror(L, index,
-                      lua_pushfstring(L, "there is no level '%s'; duet.levels() lists them", name));
+                      lua_pushfstring(L, "level is '%s'; expected one of %s",
+                                      field_push_shown(L, index), field_push_names(L, level_name)));
     return level;
 }
 

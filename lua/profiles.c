@@ -30,7 +30,7 @@ static const field trial_fields[] = {
 // A store to read; nil is the user's.
 static const char *check_store(lua_State *L, int index)
 {
-    const char *path = luaL_optstring(L, index, NULL);
+    const char *path = text_option(L, index);
     if (path)
         policy_check_read(L, path);
     return path;
@@ -66,7 +66,7 @@ static int profile_trials(lua_State *L)
     duet_error err = {0};
     duet_stored_trial *trials = NULL;
     uint32_t n = 0;
-    const char *uid = luaL_checkstring(L, 1);
+    const char *uid = text_check(L, 1);
     const char *path = check_store(L, 2);
     lua_handle *memory = class_push(L, &memory_class, sizeof *memory);
     if (!duet_profile_get_trials(path, uid, &trials, &n, &err))
@@ -81,8 +81,8 @@ typedef bool profile_change(const char *path, const char *uid, duet_error *err);
 static int change_profile(lua_State *L, profile_change *change, const char *what)
 {
     duet_error err = {0};
-    const char *uid = luaL_checkstring(L, 1);
-    const char *path = luaL_optstring(L, 2, NULL);
+    const char *uid = text_check(L, 1);
+    const char *path = text_option(L, 2);
     policy_check_trusted(L, what);
     return class_push_done(L, change(path, uid, &err), &err);
 }
@@ -103,8 +103,8 @@ static int forget_profile(lua_State *L)
 static int export_profiles(lua_State *L)
 {
     duet_error err = {0};
-    const char *file = luaL_checkstring(L, 1);
-    const char *path = luaL_optstring(L, 2, NULL);
+    const char *file = text_check(L, 1);
+    const char *path = text_option(L, 2);
     policy_check_trusted(L, "duet.export_profiles");
     return class_push_done(L, duet_profiles_export(path, file, &err), &err);
 }
@@ -114,8 +114,8 @@ static int import_profiles(lua_State *L)
 {
     duet_error err = {0};
     duet_import_counts counts = {0};
-    const char *file = luaL_checkstring(L, 1);
-    const char *path = luaL_optstring(L, 2, NULL);
+    const char *file = text_check(L, 1);
+    const char *path = text_option(L, 2);
     policy_check_trusted(L, "duet.import_profiles");
     if (!duet_profiles_import(path, file, &counts, &err))
         return class_push_failure(L, &err);
@@ -174,7 +174,7 @@ static int tree_load_profile(lua_State *L)
     duet_error err = {0};
     duet_profile profile;
     duet_tree *tree = tree_check(L);
-    const char *query = luaL_checkstring(L, 2);
+    const char *query = text_check(L, 2);
     lua_Integer n = luaL_checkinteger(L, 3);
     luaL_argcheck(L, n > 0, 3, "a number of items above 0");
     const char *path = check_store(L, 4);

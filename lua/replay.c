@@ -11,7 +11,7 @@ static const lua_class replay_class = {
 static int create(lua_State *L)
 {
     duet_error err = {0};
-    const char *path = luaL_checkstring(L, 1);
+    const char *path = text_check(L, 1);
     policy_check_read(L, path);
     lua_handle *replay = class_push(L, &replay_class, sizeof *replay);
     replay->object = duet_replay_create(path, &err);

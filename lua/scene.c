@@ -53,6 +53,23 @@ void scene_push_info(lua_State *L, const duet_scene_info *info)
 
 // ---------------------------------------------------------------- making
 
+// Pushes the value on top as text. Metatables are not asked, which could change the table.
+static const char *push_value(lua_State *L, const char *name)
+{
+    lua_pushvalue(L, -1);
+    if (lua_isboolean(L, -1))
+        lua_pushstring(L, lua_toboolean(L, -1) ? "true" : "false");
+    else if (lua_type(L, -1) == LUA_TNUMBER)
+        lua_pushstring(L, lua_tostring(L, -1));
+    else
+        lua_pushvalue(L, -1);
+    lua_remove(L, -2);
+    if (!field_text(L, -1))
+        luaL_error(L, "%s is %s; expected a number, true, false or a string without NUL", name,
+                   field_push_shown(L, -1));
+    return field_text(L, -1);
+}
+
 const duet_setting *scene_read_settings(lua_State *L, int index, uint32_t *n)
 {
     *n = 0;
@@ -65,10 +82,10 @@ const duet_setting *scene_read_settings(lua_State *L, int index, uint32_t *n)
     lua_newtable(L);
     uint32_t i = 0;
     for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1), ++i) {
-        if (lua_type(L, -2) != LUA_TSTRING)
+        if (!field_text(L, -2))
             luaL_error(L, "the settings of a scene are names with values");
-        settings[i].name = lua_tostring(L, -2);
-        settings[i].value = field_push_shown(L, -1);
+        settings[i].name = field_text(L, -2);
+        settings[i].value = push_value(L, settings[i].name);
         lua_rawseti(L, -4, (lua_Integer)i + 1);
     }
     return settings;
@@ -92,7 +109,7 @@ static int scene_load(lua_State *L)
 {
     duet_error err = {0};
     uint32_t n = 0;
-    const char *path = luaL_checkstring(L, 1);
+    const char *path = text_check(L, 1);
     const duet_setting *settings = scene_read_settings(L, 2, &n);
     policy_check_read(L, path);
     scene_box *box = class_push(L, &scene_class, sizeof *box);
@@ -124,7 +141,7 @@ static int scene_make(lua_State *L)
 static int scene_load_pairs(lua_State *L)
 {
     duet_error err = {0};
-    const char *path = luaL_checkstring(L, 1);
+    const char *path = text_check(L, 1);
     policy_check_read(L, path);
     scene_box *box = class_push(L, &scene_class, sizeof *box);
     box->scene = duet_scene_load_pairs(path, &err);

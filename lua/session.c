@@ -40,8 +40,14 @@ session_def session_default_def(void)
 // Makes a line of the error value and takes it off the stack.
 static bool fail(session *s, duet_error *err)
 {
-    const char *message = lua_tostring(s->lua, -1);
-    error_set(err, DUET_STATUS_BAD_INPUT, "%s", message ? message : "an error that is not a text");
+    text shown = {0};
+    size_t n = 0;
+    const char *message = lua_tolstring(s->lua, -1, &n);
+    if (message)
+        text_add_visible(&shown, message, n, "\n\r\t");
+    error_set(err, DUET_STATUS_BAD_INPUT, "%s",
+              message ? text_chars(&shown) : "an error that is not a text");
+    text_free(&shown);
     lua_pop(s->lua, 1);
     return false;
 }

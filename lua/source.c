@@ -53,7 +53,7 @@ static uint32_t read_settings(lua_State *L, int index, gen_setting settings[MOST
     for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
         int is_whole = 0;
         lua_Integer value = lua_tointegerx(L, -1, &is_whole);
-        if (lua_type(L, -2) != LUA_TSTRING || !is_whole || n == MOST_SETTINGS)
+        if (!field_text(L, -2) || !is_whole || n == MOST_SETTINGS)
             luaL_error(L, "a kernel's settings are at most %d names with whole numbers",
                        MOST_SETTINGS);
         settings[n++] = (gen_setting){lua_tostring(L, -2), value};
@@ -75,7 +75,7 @@ static int make_source(lua_State *L)
 {
     duet_error err = {0};
     gen_setting settings[MOST_SETTINGS];
-    const char *kernel = luaL_checkstring(L, 1);
+    const char *kernel = text_check(L, 1);
     lua_settop(L, 3);
     uint32_t n = read_settings(L, 2, settings);
     gen_limits limits = read_limits(L, 3);

@@ -23,7 +23,7 @@ static int file_load(lua_State *L)
 {
     duet_error err = {0};
     uint32_t n = 0;
-    const char *path = luaL_checkstring(L, 1);
+    const char *path = text_check(L, 1);
     const duet_setting *settings = scene_read_settings(L, 2, &n);
     check_policy(L);
     lua_handle *file = class_push(L, &file_class, sizeof *file);
@@ -52,7 +52,7 @@ static int device_pair_task(lua_State *L)
     duet_error err = {0};
     duet_task_def def = duet_default_task_def();
     def.pair = device_pair_check(L);
-    def.path = luaL_checkstring(L, 2);
+    def.path = text_check(L, 2);
     def.settings = scene_read_settings(L, 3, &def.n_settings);
     check_policy(L);
     lua_handle *t = class_push_of(L, &task_class, sizeof *t, 1);
@@ -149,7 +149,7 @@ static int task_set(lua_State *L)
 {
     duet_error err = {0};
     duet_task *t = task_check_lua(L, 1);
-    const char *name = luaL_checkstring(L, 2);
+    const char *name = text_check(L, 2);
     const duet_task_arg *arg = find_arg(L, t, name);
     uint64_t n = 0;
     bool ok;
@@ -184,7 +184,7 @@ static int task_get(lua_State *L)
     static const char *const forms[] = {"numbers", "bytes", NULL};
     duet_error err = {0};
     duet_task *t = task_check_lua(L, 1);
-    const char *name = luaL_checkstring(L, 2);
+    const char *name = text_check(L, 2);
     int form = luaL_checkoption(L, 3, "numbers", forms);
     const duet_task_arg *arg = find_arg(L, t, name);
     const void *elements = duet_task_get_array(t, name, NULL, &err);

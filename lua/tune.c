@@ -7,20 +7,6 @@
 
 #include <string.h>
 
-// One name, or a list of them.
-static void read_levels(lua_State *L, const field *f, void *at)
-{
-    field_name_list *list = at;
-    if (lua_type(L, -1) != LUA_TSTRING) {
-        field_names.read(L, f, at);
-        return;
-    }
-    list->names[0] = lua_tostring(L, -1);
-    list->n = 1;
-}
-
-static const field_type field_levels = {.read = read_levels};
-
 // false: no store; true: what another strategy than the default one finds, too.
 static void read_keep(lua_State *L, const field *f, void *at)
 {
@@ -35,20 +21,27 @@ static const field_type field_keep = {.read = read_keep};
 typedef struct tune_def {
     duet_tune_def def;
     field_name_list variants;
-    field_name_list modes;
-    field_name_list levels;
+    field_enum_list modes, levels;
     bool watch; // the function stays in the def's table and is called from there
 } tune_def;
+
+static void read_accuracy(lua_State *L, const field *f, void *at)
+{
+    duet_tune_def *def = at;
+    field_accuracy.read(L, f, &def->accuracy);
+    def->has_accuracy = true;
+}
 
 static const field def_fields[] = {
     FIELDS_IN(tune_def, def., store),
     FIELD_IN(field_keep, tune_def, def., keep),
     FIELDS_IN(tune_def, def., ordered, fresh, strategy, strategy_lua, strategy_name, objective,
               search, query, items, steps),
-    FIELDS(tune_def, variants, modes),
+    FIELDS(tune_def, variants),
+    FIELD_ENUMS(tune_def, modes, mode_name),
     FIELDS_IN(tune_def, def., budget_seconds, budget_trials, wait_seconds, repeats, seed, script),
-    FIELD_AT("level", field_levels, tune_def, levels),
-    FIELD_IN(field_accuracy, tune_def, def., accuracy),
+    FIELD_ENUMS_AT("level", tune_def, levels, level_name),
+    FIELD_AT("accuracy", (const field_type){.read = read_accuracy}, tune_def, def),
     FIELD(field_function, tune_def, watch),
     {0},
 };
@@ -129,27 +122,11 @@ static bool watch(void *context, const duet_tune_progress *progress)
 
 // ---------------------------------------------------------------- tuning
 
-static duet_mode find_mode(lua_State *L, const char *name)
+uint32_t tune_take_modes(const field_enum_list *list, duet_mode modes[FIELD_NAMES])
 {
-    duet_mode mode = DUET_MODE_SHARED;
-    if (!mode_from_name(name, &mode))
-        luaL_error(L, "modes: there is no mode '%s'; duet.modes() lists them", name);
-    return mode;
-}
-
-uint32_t tune_read_modes(lua_State *L, const field_name_list *names, duet_mode modes[32])
-{
-    for (uint32_t i = 0; i < names->n; ++i)
-        modes[i] = find_mode(L, names->names[i]);
-    return names->n;
-}
-
-static duet_level find_level(lua_State *L, const char *name)
-{
-    duet_level level = DUET_LEVEL_CERTIFIED;
-    if (!duet_level_from_name(name, &level))
-        luaL_error(L, "level: there is no level '%s'; duet.levels() lists them", name);
-    return level;
+    for (uint32_t i = 0; i < list->n; ++i)
+        modes[i] = (duet_mode)list->values[i];
+    return list->n;
 }
 
 static void check_policy(lua_State *L, const duet_tune_def *def)
@@ -165,8 +142,8 @@ static int device_pair_tune(lua_State *L)
 {
     duet_error err = {0};
     duet_tune_outcome outcome = {0};
-    duet_mode modes[32];
-    duet_level levels[32];
+    duet_mode modes[FIELD_NAMES];
+    duet_level levels[FIELD_NAMES];
     tune_def t = {.def = duet_default_tune_def()};
     t.def.pair = device_pair_check(L);
     t.def.task = task_file_test(L, 2);
@@ -176,16 +153,15 @@ static int device_pair_tune(lua_State *L)
     check_policy(L, &t.def);
     t.def.variants = t.variants.names;
     t.def.n_variants = t.variants.n;
-    t.def.n_modes = tune_read_modes(L, &t.modes, modes);
+    t.def.n_modes = tune_take_modes(&t.modes, modes);
     t.def.modes = modes;
     for (t.def.n_levels = 0; t.def.n_levels < t.levels.n; ++t.def.n_levels)
-        levels[t.def.n_levels] = find_level(L, t.levels.names[t.def.n_levels]);
+        levels[t.def.n_levels] = (duet_level)t.levels.values[t.def.n_levels];
     t.def.levels = levels;
-    t.def.has_accuracy = lua_istable(L, 3) && lua_getfield(L, 3, "accuracy") != LUA_TNIL;
-    lua_settop(L, 3);
     watcher w = {L, 4, false};
     if (t.watch) {
-        lua_getfield(L, 3, "watch");
+        lua_pushliteral(L, "watch");
+        lua_rawget(L, 3);
         t.def.watch = watch;
         t.def.watch_context = &w;
     }

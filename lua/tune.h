@@ -6,7 +6,7 @@
 #include "duet_tune.h"
 #include "lua/nouns.h"
 
-// Finds modes by their names, and raises an error for an unknown one. Returns how many there are.
-uint32_t tune_read_modes(lua_State *L, const field_name_list *names, duet_mode modes[32]);
+// Copies the modes of a list, and returns how many there are.
+uint32_t tune_take_modes(const field_enum_list *list, duet_mode modes[FIELD_NAMES]);
 
 #endif

@@ -30,13 +30,6 @@ void world_forget_views(world_box *box)
 
 // ---------------------------------------------------------------- making
 
-static bool has_field(lua_State *L, int index, const char *name)
-{
-    bool is_there = lua_getfield(L, index, name) != LUA_TNIL;
-    lua_pop(L, 1);
-    return is_there;
-}
-
 static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_scene *scene,
                                int index)
 {
@@ -44,15 +37,15 @@ static duet_world_def read_def(lua_State *L, duet_device_pair *pair, const duet_
     def.pair = pair;
     if (lua_isnoneornil(L, index))
         return def;
-    field_read(L, index, "a world", def_fields, &def);
-    bool lower = has_field(L, index, "lower");
-    bool upper = has_field(L, index, "upper");
+    uint64_t given = field_read(L, index, "a world", def_fields, &def);
+    bool lower = field_is_given(def_fields, given, "lower");
+    bool upper = field_is_given(def_fields, given, "upper");
     if (lower != upper)
         luaL_error(L, "a world has both corners, lower and upper, or neither");
     def.has_world = def.has_world || lower;
-    if (has_field(L, index, "accuracy"))
+    if (field_is_given(def_fields, given, "accuracy"))
         def.has_accuracy = true;
-    else if (has_field(L, index, "level"))
+    else if (field_is_given(def_fields, given, "level"))
         def.has_accuracy = false;
     return def;
 }

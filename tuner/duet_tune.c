@@ -92,12 +92,26 @@ static bool check_search(const char *what, duet_error *err)
     return ok;
 }
 
+// As DUET_WAIT says, unless it is empty; below 0 for what is no time.
 static double default_wait(void)
 {
     const char *seconds = getenv("DUET_WAIT");
     char *end = NULL;
-    double wait = seconds ? strtod(seconds, &end) : WAIT_SECONDS;
-    return wait >= 0 && (!end || (end != seconds && !*end)) ? wait : WAIT_SECONDS;
+    if (!seconds || !*seconds)
+        return WAIT_SECONDS;
+    double wait = strtod(seconds, &end);
+    return wait >= 0 && isfinite(wait) && !*end ? wait : -1;
+}
+
+static bool check_times(const duet_tune_def *def, duet_error *err)
+{
+    if (isnan(def->wait_seconds) || isnan(def->budget_seconds))
+        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                         "%s_seconds is nan; expected a number of seconds",
+                         isnan(def->wait_seconds) ? "wait" : "budget");
+    return def->wait_seconds >= 0 || default_wait() >= 0 ||
+           error_set(err, DUET_STATUS_BAD_ARGUMENT,
+                     "DUET_WAIT is '%s'; expected a number of seconds from 0", getenv("DUET_WAIT"));
 }
 
 static bool makes_energy_small(const duet_tune_def *def)
@@ -140,7 +154,7 @@ static bool check_def(const duet_tune_def *def, duet_error *err)
     if (def->n_variants > RACE_RIVALS)
         return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u variants; expected at most %d",
                          def->n_variants, RACE_RIVALS);
-    if (!check_lists(def, err))
+    if (!check_lists(def, err) || !check_times(def, err))
         return false;
     duet_tune_def whole = complete_def(def);
     for (uint32_t i = 0; i < def->n_variants; ++i) {

@@ -62,25 +62,27 @@ static const command_line line = {
 
 // ---------------------------------------------------------------- the standard set
 
+// What is measured of a scene.
+typedef enum bench_measures { BENCH_PLANS, BENCH_PLANS_AND_LEVELS, BENCH_EFFECTS } bench_measures;
+
 typedef struct bench_scene {
     const char *name; // one of those that come with Duet
     const char *n;    // objects, as a scene's setting
     const char *quick_n;
     const char *world; // edge of the world; NULL: the scene's own
     const char *quick_world;
-    bool mixed;  // sizes: plans that need one size of cells are left out
-    bool levels; // measures levels of accuracy, too
-    bool moves;  // its effects' costs are measured, and nothing else
+    bench_measures measures;
+    bool mixed; // sizes: plans that need one size of cells are left out
 } bench_scene;
 
 static const bench_scene bench_scenes[] = {
     // The density is that of a million objects in the paper's world.
-    {.name = "paper", "250000", "3000", "126", "29", .levels = true},
+    {.name = "paper", "250000", "3000", "126", "29", .measures = BENCH_PLANS_AND_LEVELS},
     {.name = "paper2d", "250000", "3000", "1000", "110"},
     {.name = "clustered", "100000", "3000"},
     {.name = "mixed", "100000", "3000", .mixed = true},
     {.name = "planes", "100000", "3000"},
-    {.name = "falling", "20000", "200", .moves = true},
+    {.name = "falling", "20000", "200", .measures = BENCH_EFFECTS},
     {0},
 };
 
@@ -286,11 +288,11 @@ static bool measure_scene(bench *b, const bench_scene *which, duet_error *err)
 {
     duet_scene *scene = load_scene(which, b->args->quick, err);
     bool ok = scene;
-    if (which->moves)
+    if (which->measures == BENCH_EFFECTS)
         ok = ok && measure_effects(b, scene, err);
     else
         ok = ok && compare_plans(b, which, scene, err);
-    if (which->levels)
+    if (which->measures == BENCH_PLANS_AND_LEVELS)
         ok = ok && measure_levels(b, scene, err);
     duet_scene_destroy(scene);
     return ok;
@@ -327,7 +329,9 @@ static uint64_t count_cases(const bench *b)
     duet_plan plans[BENCH_PLANS_MOST];
     for (const bench_scene *s = bench_scenes; s->name; ++s)
         if (is_asked_for(b, s))
-            n += (s->moves ? 1 : bench_plans(s, b->pair, plans)) + s->levels;
+            n += s->measures == BENCH_EFFECTS
+                     ? 1
+                     : bench_plans(s, b->pair, plans) + (s->measures == BENCH_PLANS_AND_LEVELS);
     return n;
 }
 

@@ -29,7 +29,7 @@ static void add_arguments(cJSON *o, const task *t)
         const task_arg *arg = &t->args[i];
         cJSON *row = json_add_row(list);
         json_add(row, STRING("name", arg->name));
-        if (!arg->is_array) {
+        if (arg->kind != TASK_ARG_ARRAY) {
             json_add(row, NUMBER("value", arg->value));
             continue;
         }

@@ -55,6 +55,7 @@ static const option json_options[] = {
 static const command_line show_line = {
     .name = "profiles show",
     .operands = "PROFILE",
+    .takes_empty = true,
     .about = "Shows a profile, named by the first digits that 'duet profiles list' prints,\n"
              "with the session it comes from and all its trials.",
     .options = json_options,
@@ -65,6 +66,7 @@ static const command_line show_line = {
 static const command_line diff_line = {
     .name = "profiles diff",
     .operands = "PROFILE PROFILE",
+    .takes_empty = true,
     .about = "Shows two profiles side by side, and which one is faster.",
     .options = json_options,
 };
@@ -79,6 +81,7 @@ static const option uid_options[] = {
 static const command_line use_line = {
     .name = "profiles use",
     .operands = "PROFILE",
+    .takes_empty = true,
     .about = "Makes a stored profile the one that applications load in its place, as it was\n"
              "before another replaced it. 'duet profiles list --dead' shows unused ones.",
     .options = uid_options,
@@ -87,6 +90,7 @@ static const command_line use_line = {
 static const command_line forget_line = {
     .name = "profiles forget",
     .operands = "PROFILE",
+    .takes_empty = true,
     .about = "Removes a profile. What was measured for it stays, and no other takes its\n"
              "place.",
     .options = uid_options,

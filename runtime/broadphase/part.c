@@ -19,7 +19,7 @@ static const size_t buffers[] = {
     offsetof(part, boxes),       offsetof(part, counters),       offsetof(part, next_counters),
     offsetof(part, candidates),  offsetof(part, pairs),          offsetof(part, undecided),
     offsetof(part, gathered),    offsetof(part, requests.words), offsetof(part, id_changes),
-    offsetof(part, pair_counts), offsetof(part, left),           offsetof(part, skimmed.blocks),
+    offsetof(part, pair_counts), offsetof(part, left),           offsetof(part, interior.blocks),
     offsetof(part, edges)};
 
 #define BUFFER(name, type, member) BIND_BUFFER(part, name, type, member)
@@ -56,7 +56,7 @@ const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                  BUFFER("next_counters", "uint *", next_counters),
                                  BUFFER("marks", "uint *", requests.words),
                                  BUFFER("sums", "uint *", scan.sums),
-                                 BUFFER("blocks", "skim_block *", skimmed.blocks),
+                                 BUFFER("blocks", "interior_block *", interior.blocks),
                                  BUFFER("global_ids", "uint2 *", global_ids.own),
                                  BUFFER("id_changes", "uint4 *", id_changes),
                                  BUFFER("pair_counts", "uint *", pair_counts),
@@ -85,7 +85,7 @@ const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                  VALUE(candidate_capacity),
                                  VALUE(pair_capacity),
                                  VALUE(undecided_capacity),
-                                 VALUE(skim_from),
+                                 VALUE(interior_from),
                                  VALUE(inside_lower),
                                  VALUE(inside_upper),
                                  VALUE(n_owned),
@@ -139,7 +139,7 @@ void part_close(part *p)
     host_block_release(&p->early);
     host_block_release(&p->sent);
     host_block_release(&p->requests.on_host);
-    host_block_release(&p->skimmed.on_host);
+    host_block_release(&p->interior.on_host);
     host_block_release(&p->changes);
     program_set_close(p->programs);
     gen_close(p->gen);

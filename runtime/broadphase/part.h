@@ -7,7 +7,7 @@
 #define RUNTIME_PART_H
 
 #include "kernels/counters.h"
-#include "kernels/grid/skim.h"
+#include "kernels/grid/interior.h"
 #include "runtime/broadphase/compaction.h"
 #include "runtime/broadphase/global_ids.h"
 #include "runtime/broadphase/input_ranges.h"
@@ -64,8 +64,8 @@ typedef struct part_kernels {
     kernel *narrow; // NULL if the candidates' kernel finds pairs
     kernel *gather; // NULL if the host sees objects that are to be decided
     kernel *change_ids;
-    kernel *count_pairs; // NULL if pairs come to the host
-    kernel *skim;        // NULL if it cannot be
+    kernel *count_pairs;   // NULL if pairs come to the host
+    kernel *find_interior; // NULL if it cannot be
 } part_kernels;
 
 // A parameter of the kernels that the scene or the stage decides. A choice that is open may be set
@@ -100,7 +100,7 @@ typedef struct part_args {
     cl_uint row_words, n_ids; // gathered
     cl_uint n_owned, n_id_changes, left_capacity;
     cl_uint marked_from, marked_to;
-    cl_uint skim_from;
+    cl_uint interior_from;
     cl_float4 inside_lower, inside_upper;
     cl_int4 cells;
     buffer objects;
@@ -181,10 +181,10 @@ typedef struct part {
         host_block changes; // on their way there
     };
     struct {
-        buffer blocks;                  // kernels/grid/skim.h, of objects that were prefetched
+        buffer blocks;                  // kernels/grid/interior.h, of objects that were prefetched
         host_block on_host;             // the same on the host
         cl_event done[2 * VIEW_CHUNKS]; // when those of a chunk are
-    } skimmed;
+    } interior;
     struct {
         buffer words;        // [n / INPUT_BLOCK] the epoch, if the other part needs the block
         host_block on_host;  // on the host, if the device has memory of its own
@@ -241,7 +241,7 @@ bool part_has_kernels(const part *p, const variant *asked);
 void part_forget_kernels(part *p);
 
 // Builds the kernel that classifies prefetched objects (prefetch.c), too.
-bool part_prepare_skim(part *p, duet_error *err);
+bool part_prepare_interior(part *p, duet_error *err);
 
 // The kernel of that name that the part has prepared; NULL if it runs another.
 const kernel *part_kernel(const part *p, const char *name);

@@ -48,8 +48,8 @@ static bool is_roomy(const part_task *task)
            (task->objects->dims == 2 || cells[1] > 2);
 }
 
-// Kernels for objects that move serve any number of sizes if the grid is not roomy, unless a variant
-// has its cells compiled in, or knows one size.
+// Kernels for objects that move serve any number of sizes if the grid is not roomy, unless a
+// variant has its cells compiled in, or knows one size.
 static bool knows_levels(const part *p, const part_task *task)
 {
     const bool any = task->moves && !p->variant.fixed && p->variant.search != SEARCH_PAPER;
@@ -274,9 +274,10 @@ static bool ask_tests_and_reads(part *p, duet_error *err)
     return ASK(p, list, err);
 }
 
-bool part_prepare_skim(part *p, duet_error *err)
+bool part_prepare_interior(part *p, duet_error *err)
 {
-    const kernel_request list[] = {{&p->kernels.skim, true, "skim", "skim", part_bindings}};
+    const kernel_request list[] = {
+        {&p->kernels.find_interior, true, "find_interior", "find_interior", part_bindings}};
     return ASK(p, list, err) && program_set_build(p->programs, err);
 }
 
@@ -288,10 +289,10 @@ static bool ask_all(part *p, duet_error *err)
     return ask_tests_and_reads(p, err);
 }
 
-// Whether some kernel has the parameter of a setting. The kernel `skim` comes later.
+// Whether some kernel has the parameter of a setting. The kernel `find_interior` comes later.
 static bool is_known(const variant_setting *s)
 {
-    return s->used || strcmp(s->kernel, "skim") == 0;
+    return s->used || strcmp(s->kernel, "find_interior") == 0;
 }
 
 static bool build(part *p, duet_error *err)
@@ -320,7 +321,7 @@ bool part_prepare(part *p, const variant *asked, duet_error *err)
     if (is_prepared(p, asked))
         return true;
     choose_all(p, asked);
-    p->kernels.skim = NULL;
+    p->kernels.find_interior = NULL;
     p->zero_words = 0; // other kernels leave other words as they are
     bool ok = build(p, err);
     if (!ok)

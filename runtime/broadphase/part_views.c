@@ -13,7 +13,7 @@
 uint32_t part_chunk_size(const part *p, uint32_t n)
 {
     uint64_t unit = (uint64_t)p->kernels.hash->group * p->kernels.hash->per_item;
-    unit = unit < SKIM_ROWS ? SKIM_ROWS : unit;
+    unit = unit < INTERIOR_ROWS ? INTERIOR_ROWS : unit;
     uint64_t size = (uint64_t)n / VIEW_CHUNKS + 1;
     size = size < p->least_chunk ? p->least_chunk : size;
     size = (size + unit - 1) / unit * unit;

@@ -52,64 +52,66 @@ static bool has_kernel(part *p, const duet_world_def *def, duet_error *err)
 {
     const bool knows = (def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_BOUNDS) &&
                        def->origin_edge == 0.0f && !def->separate_sizes;
-    return knows && (p->kernels.skim || part_prepare_skim(p, err));
+    return knows && (p->kernels.find_interior || part_prepare_interior(p, err));
 }
 
 // The blocks of a chunk travel while the next one is on its way.
-static bool skim_chunk(part *p, uint32_t from, uint32_t i, duet_error *err)
+static bool find_in_chunk(part *p, uint32_t from, uint32_t i, duet_error *err)
 {
     const view_chunk *c = &p->objects.chunks[i];
-    size_t at = from / SKIM_ROWS, end = ((size_t)c->to + SKIM_ROWS - 1) / SKIM_ROWS;
-    p->args.skim_from = from;
+    size_t at = from / INTERIOR_ROWS, end = ((size_t)c->to + INTERIOR_ROWS - 1) / INTERIOR_ROWS;
+    p->args.interior_from = from;
     p->args.n = c->to;
-    bool ok =
-        timeline_launch_after(&p->times, "skim", p->kernels.skim, c->to - from, c->sent, p, err) &&
-        timeline_start_read(&p->times, "fetch skim", &p->skimmed.blocks, at * sizeof(skim_block),
-                            (skim_block *)p->skimmed.on_host.bytes + at,
-                            (end - at) * sizeof(skim_block), err);
-    p->skimmed.done[i] = timeline_last_event(&p->times);
+    bool ok = timeline_launch_after(&p->times, "find_interior", p->kernels.find_interior,
+                                    c->to - from, c->sent, p, err) &&
+              timeline_start_read(&p->times, "fetch interior", &p->interior.blocks,
+                                  at * sizeof(interior_block),
+                                  (interior_block *)p->interior.on_host.bytes + at,
+                                  (end - at) * sizeof(interior_block), err);
+    p->interior.done[i] = timeline_last_event(&p->times);
     return ok;
 }
 
-static bool skim(part *p, const duet_world_def *def, const float inside_lower[3],
-                 const float inside_upper[3], duet_error *err)
+static bool find_interior(part *p, const duet_world_def *def, const float inside_lower[3],
+                          const float inside_upper[3], duet_error *err)
 {
     const device_view *v = &p->objects;
     if (!view_is_prefetched(v) || !has_kernel(p, def, err))
         return false;
     uint32_t n = v->chunks[v->n_chunks - 1].to, from = 0;
-    size_t bytes = ((size_t)n + SKIM_ROWS - 1) / SKIM_ROWS * sizeof(skim_block);
-    bool ok = buffer_reserve(&p->skimmed.blocks, p->device, bytes, NULL) &&
-              host_block_reserve(&p->skimmed.on_host, p->device, 1, bytes, err);
+    size_t bytes = ((size_t)n + INTERIOR_ROWS - 1) / INTERIOR_ROWS * sizeof(interior_block);
+    bool ok = buffer_reserve(&p->interior.blocks, p->device, bytes, NULL) &&
+              host_block_reserve(&p->interior.on_host, p->device, 1, bytes, err);
     p->args = (part_args){.objects = v->own};
     memcpy(&p->args.inside_lower, inside_lower, 3 * sizeof *inside_lower);
     memcpy(&p->args.inside_upper, inside_upper, 3 * sizeof *inside_upper);
     for (uint32_t i = 0; ok && i < v->n_chunks; from = v->chunks[i++].to)
-        ok = skim_chunk(p, from, i, err);
+        ok = find_in_chunk(p, from, i, err);
     return ok;
 }
 
 // B, which has most of the work, unless A alone has prefetched objects.
-static part *skimmer(duet_world *world)
+static part *interior_part(duet_world *world)
 {
     return &world->parts[view_is_prefetched(&world->parts[1].objects)];
 }
 
-bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3])
+bool world_find_interior(duet_world *world, const float inside_lower[3],
+                         const float inside_upper[3])
 {
-    part *p = skimmer(world);
+    part *p = interior_part(world);
     const device_view *v = &p->objects;
     return v->n_chunks > 0 && v->chunks[v->n_chunks - 1].to == world->objects.all.n &&
-           skim(p, &world->def, inside_lower, inside_upper, NULL);
+           find_interior(p, &world->def, inside_lower, inside_upper, NULL);
 }
 
-uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks)
+uint32_t world_await_interior(duet_world *world, uint32_t from, const interior_block **blocks)
 {
-    part *p = skimmer(world);
+    part *p = interior_part(world);
     uint32_t i = 0;
     while (i + 1 < p->objects.n_chunks && p->objects.chunks[i].to <= from)
         ++i;
-    timeline_spin(&p->times, p->skimmed.done[i]);
-    *blocks = p->skimmed.on_host.bytes;
+    timeline_spin(&p->times, p->interior.done[i]);
+    *blocks = p->interior.on_host.bytes;
     return p->objects.chunks[i].to;
 }

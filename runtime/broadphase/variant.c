@@ -157,3 +157,8 @@ bool mode_from_name(const char *name, duet_mode *mode)
     }
     return false;
 }
+
+const char *mode_name(int mode)
+{
+    return duet_mode_name((duet_mode)mode);
+}

@@ -60,4 +60,7 @@ bool variant_is(const variant *a, const variant *b);
 // False for a name that no mode has.
 bool mode_from_name(const char *name, duet_mode *mode);
 
+// Name of a mode; NULL past the last.
+const char *mode_name(int mode);
+
 #endif

@@ -104,8 +104,9 @@ void world_cancel_prefetch(duet_world *world); // waits for it, and forgets it
 // Skims what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
 // inside of the box. False if none does, or if not all were sent. The other one waits for the
 // blocks from `from` on, 0 at first, and returns up to which object they are there (part.h).
-bool world_skim(duet_world *world, const float inside_lower[3], const float inside_upper[3]);
-uint32_t world_await_skim(duet_world *world, uint32_t from, const skim_block **blocks);
+bool world_find_interior(duet_world *world, const float inside_lower[3],
+                         const float inside_upper[3]);
+uint32_t world_await_interior(duet_world *world, uint32_t from, const interior_block **blocks);
 
 // From now on the world has n of the objects that were mapped and those that were written behind
 // them; NULL if there is no space for so many.

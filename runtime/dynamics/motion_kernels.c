@@ -342,13 +342,13 @@ static bool team_obeys(const duet_motion *m)
 static void spare(const duet_motion *m, const motion_kernel *list, size_t n)
 {
     for (size_t i = 0; i < n; ++i)
-        m->kernels.of[list[i]]->spare = true;
+        kernel_spare(m->kernels.of[list[i]]);
 }
 
 static void drop(duet_motion *m, motion_kernel which)
 {
     if (m->kernels.of[which])
-        m->kernels.of[which]->spare = true;
+        kernel_spare(m->kernels.of[which]);
     m->kernels.of[which] = NULL;
 }
 
@@ -368,7 +368,8 @@ static void choose_launches(duet_motion *m)
         spare(m, of_solver, sizeof of_solver / sizeof *of_solver);
     if (m->kernels.of[COLOUR_CONTACTS] && !m->is_domain) {
         spare(m, of_colours, sizeof of_colours / sizeof *of_colours);
-        m->solver.radix.count->spare = m->solver.radix.move->spare = true;
+        kernel_spare(m->solver.radix.count);
+        kernel_spare(m->solver.radix.move);
     }
 }
 

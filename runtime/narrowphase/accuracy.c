@@ -39,7 +39,7 @@ static void read_accuracy(lua_State *L, const field *f, void *at)
 {
     *(duet_accuracy *)at = (duet_accuracy){0};
     (void)f;
-    field_read_row(L, -1, (field_table){"accuracy", -1}, accuracy_fields, at);
+    field_read_row(L, -1, (field_table){"accuracy", -1, NULL}, accuracy_fields, at);
 }
 
 const field_type field_accuracy = {

@@ -53,22 +53,6 @@ gen_limits program_set_limits(const program_set *set)
     return set->limits;
 }
 
-int64_t kernel_param(const kernel *k, const char *param)
-{
-    const char *at = k->name;
-    size_t length = strlen(param);
-    while ((at = strchr(at, '.')))
-        if (strncmp(++at, param, length) == 0)
-            return strtoll(at + length, NULL, 10);
-    return 0;
-}
-
-bool kernel_is(const kernel *k, const char *name)
-{
-    size_t length = strlen(name);
-    return k && strncmp(k->name, name, length) == 0 && (k->name[length] == '.' || !k->name[length]);
-}
-
 // ---------------------------------------------------------------- arguments
 
 // other: the type under which the host knows the name, if that differs from the argument's.
@@ -168,7 +152,7 @@ static kernel *find_or_add_entry(const program_set *set, program *p, const char 
 {
     for (int i = 0; i < p->n_entries; ++i)
         if (strcmp(p->entries[i].entry, entry) == 0) {
-            p->entries[i].k.spare = false;
+            kernel_ask(&p->entries[i].k);
             return &p->entries[i].k;
         }
     if (p->n_entries == PROGRAM_MOST_ENTRIES)

@@ -9,34 +9,7 @@
 
 #include "gen/gen.h"
 #include "runtime/opencl/device.h"
-#include "runtime/opencl/launcher.h"
-
-// How the groups of a launch go through its stages, by the parameters TEAM and MEET of its card.
-typedef enum kernel_groups {
-    GROUPS_APART, // each alone
-    GROUPS_TEAM,  // together, one work-item each (kernels/dynamics/team.clh)
-    GROUPS_MEET   // together, all at once on a GPU (kernels/dynamics/meet.clh)
-} kernel_groups;
-
-// An entry point of a variant.
-typedef struct kernel {
-    cl_kernel cl;      // NULL before it is built
-    bool spare;        // never launched, as the asker found: it is not built
-    kernel_groups groups;
-    uint32_t group;    // work-items a group
-    uint32_t per_item; // objects, pairs or values a work-item does
-    uint32_t n_axes;   // in a launch
-    gen_axis more[2];  // along the second and the third
-    char name[192];    // the variant's name: "radix.BITS8.WG1.PER_ITEM16384"
-    launcher launcher;
-} kernel;
-
-// A parameter's value in the variant's name; the kernel's card must have more
-// than one value for it.
-int64_t kernel_param(const kernel *k, const char *param);
-
-// Whether k is a variant of the kernel of that name; false for NULL.
-bool kernel_is(const kernel *k, const char *name);
+#include "runtime/opencl/kernel.h"
 
 // Returns the limits of a device that its variants depend on.
 gen_limits program_limits(const duet_device_info *info);
@@ -74,7 +47,7 @@ bool program_set_kernels(program_set *set, const kernel_request *list, size_t n,
 
 // Builds what was asked for and is not built. BUILD_FAILED names the variant, the device
 // and the compiler's first line; INTERRUPTED where the program is to stop. After a failure
-// kernels asked for since the last build are gone.
+// kernels that are not built are spared, so that it does not come back with the next build.
 bool program_set_build(program_set *set, duet_error *err);
 
 // Builds the variant and keeps nothing: whether the device's compiler takes it.

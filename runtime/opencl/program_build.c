@@ -11,13 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Whether it is to be built, and is not.
+// Whether it is to be compiled, or taken from where it is built.
 static bool is_wanted(const program *p)
 {
-    bool wanted = false;
+    bool asked = false;
     for (int i = 0; i < p->n_entries; ++i)
-        wanted = wanted || !p->entries[i].k.spare;
-    return wanted && !p->cl;
+        asked = asked || p->entries[i].k.state == KERNEL_ASKED;
+    return asked && !p->cl;
 }
 
 // ---------------------------------------------------------------- of a binary
@@ -291,13 +291,15 @@ static void look_up(program_set *set)
 static bool create_kernels(const program_set *set, program *p, duet_error *err)
 {
     for (int i = 0; i < p->n_entries; ++i) {
-        if (p->entries[i].k.cl)
-            continue;
+        kernel *k = &p->entries[i].k;
         cl_int code = CL_SUCCESS;
-        p->entries[i].k.cl = clCreateKernel(p->cl, p->entries[i].entry, &code);
-        if (!p->entries[i].k.cl)
+        if (k->state != KERNEL_ASKED)
+            continue;
+        k->cl = clCreateKernel(p->cl, p->entries[i].entry, &code);
+        if (!k->cl)
             return error_set(err, DUET_STATUS_BUILD_FAILED, "%s on %s: has no kernel '%s'", p->name,
                              set->device->info.selector, p->entries[i].entry);
+        k->state = KERNEL_BUILT;
         device_object_made();
     }
     free(p->text);
@@ -305,24 +307,11 @@ static bool create_kernels(const program_set *set, program *p, duet_error *err)
     return true;
 }
 
-// A failure must not come back when other kernels are asked for.
-static void forget_unbuilt(program_set *set)
+static void spare_unbuilt(program_set *set)
 {
-    for (program **at = &set->first; *at;) {
-        program *p = *at;
-        const bool spare = !p->cl && p->is_old;
-        bool built = p->cl && !p->text;
-        while (built && p->n_entries > 0 && !p->entries[p->n_entries - 1].k.cl)
-            --p->n_entries;
-        for (int i = 0; spare && i < p->n_entries; ++i)
-            p->entries[i].k.spare = true;
-        if (built || spare) {
-            at = &p->next;
-            continue;
-        }
-        *at = p->next;
-        program_close(p);
-    }
+    for (program *p = set->first; p; p = p->next)
+        for (int i = 0; i < p->n_entries; ++i)
+            kernel_spare(&p->entries[i].k);
 }
 
 bool program_set_build(program_set *set, duet_error *err)
@@ -331,9 +320,7 @@ bool program_set_build(program_set *set, duet_error *err)
     bool ok = build_missing(set, err);
     for (program *p = set->first; ok && p; p = p->next)
         ok = !p->cl || create_kernels(set, p, err);
-    for (program *p = set->first; ok && p; p = p->next)
-        p->is_old = true;
     if (!ok)
-        forget_unbuilt(set);
+        spare_unbuilt(set);
     return ok;
 }

@@ -16,7 +16,7 @@ typedef struct program {
     char sha256[65]; // hash of the variant's text
     char key[65];    // in the folder of built programs
     char name[160];
-    char *text;   // NULL once everything that was asked for is there
+    char *text;   // NULL once it is built and its kernels are there
     char *binary; // the folder's binary, until it is built; or NULL
     size_t binary_bytes;
     cl_program cl; // NULL: asked for, and not yet built
@@ -25,7 +25,6 @@ typedef struct program {
         kernel k;
     } entries[PROGRAM_MOST_ENTRIES];
     int n_entries;
-    bool is_old; // it was asked for before the last build that succeeded
 } program;
 
 struct program_set {

@@ -39,13 +39,13 @@ static void read_effects(lua_State *L, const field *f, void *at)
         field_refuse(L, f, "a list of effects' names");
     for (lua_Unsigned n = lua_rawlen(L, -1), k = 1; k <= n; ++k) {
         lua_rawgeti(L, -1, (lua_Integer)k);
-        const char *name = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "?";
-        uint32_t effect = scene_effect_named(name);
+        const char *name = field_text(L, -1);
+        uint32_t effect = name ? scene_effect_named(name) : 0;
         if (!effect)
             field_raise(
                 L, f->name,
                 "%s has '%s', which is no effect; docs/effects.md and duet.effects() list them",
-                f->name, name);
+                f->name, field_push_shown(L, -1));
         *(uint32_t *)at |= effect;
         lua_pop(L, 1);
     }
@@ -72,8 +72,12 @@ const field_type field_effects = {.read = read_effects, .push = push_effects};
 
 // ---------------------------------------------------------------- materials
 
+#define SURFACE(struct_)                                                 \
+    FIELD_WITHIN(struct_, , friction, 0, 1e6, "a number from 0 to 1e6"), \
+        FIELD_WITHIN(struct_, , restitution, 0, 1, "a number from 0 to 1")
+
 static const field material_fields[] = {
-    FIELDS(duet_material, friction, restitution),
+    SURFACE(duet_material),
     FIELD_ENUM(duet_material, friction_rule, material_rule_name),
     FIELD_ENUM(duet_material, restitution_rule, material_rule_name),
     {0},
@@ -88,7 +92,7 @@ static const field material_fields[] = {
 static const field pair_fields[] = {
     ONE_OF_PAIR("[1]", a),
     ONE_OF_PAIR("[2]", b),
-    FIELDS(duet_material_pair, friction, restitution),
+    SURFACE(duet_material_pair),
     {0},
 };
 
@@ -108,7 +112,7 @@ static void read_materials(lua_State *L, const field *f, void *at)
     for (uint32_t i = 1; i <= n; ++i) {
         def->materials[i] = material_of_rules();
         lua_rawgeti(L, -1, i);
-        field_read_row(L, -1, (field_table){"materials, row", i}, material_fields,
+        field_read_row(L, -1, (field_table){"materials, row", i, f->name}, material_fields,
                        &def->materials[i]);
         lua_pop(L, 1);
     }
@@ -120,13 +124,14 @@ static void read_pairs(lua_State *L, const field *f, void *at)
     duet_motion_def *def = at;
     uint32_t n = count_rows(L, f, DUET_MATERIAL_PAIRS, "a list of at most 120 pairs of materials");
     for (uint32_t i = 1; i <= n; ++i) {
+        const field_table row = {"material_pairs, row", i, f->name};
         duet_material_pair *pair = &def->material_pairs[i - 1];
         *pair = (duet_material_pair){0};
         lua_rawgeti(L, -1, i);
-        field_read_row(L, -1, (field_table){"material_pairs, row", i}, pair_fields, pair);
-        if (!pair->a || !pair->b)
-            field_raise(L, f->name, "%s, row %u: expected two materials by their numbers", f->name,
-                        i);
+        field_read_row(L, -1, row, pair_fields, pair);
+        if (!pair->a || !pair->b || pair->a > def->n_materials || pair->b > def->n_materials)
+            field_raise_in(L, &row, NULL, "expected two of the %u materials by their numbers",
+                           def->n_materials);
         lua_pop(L, 1);
     }
     def->n_material_pairs = n;

@@ -43,7 +43,7 @@ void heights_read_values(lua_State *L, const duet_heights *h, float *to)
 void heights_read(lua_State *L, duet_heights *h)
 {
     *h = (duet_heights){.spacing = {1, 1}};
-    field_read_row(L, -1, (field_table){"heights", -1}, heights_fields, h);
+    field_read_row(L, -1, (field_table){"heights", -1, NULL}, heights_fields, h);
     uint64_t n = (uint64_t)h->nx * h->ny;
     if (n == 0 || n > DUET_MOST_HEIGHTS)
         field_raise(L, "heights", "heights: nx is %u, ny is %u; expected " SIDE, h->nx, h->ny);

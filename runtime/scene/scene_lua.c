@@ -119,7 +119,7 @@ static void read_world(lua_State *L, const field *f, void *at)
 {
     duet_scene_info *info = &((duet_scene *)at)->info;
     (void)f;
-    if (field_read_row(L, -1, (field_table){"world", -1}, world_fields, info) != 3)
+    if (field_read_row(L, -1, (field_table){"world", -1, NULL}, world_fields, info) != 3)
         field_raise(L, "world", "world has one corner; expected lower and upper");
     for (uint32_t i = 0; i < info->dims; ++i)
         if (info->lower[i] > info->upper[i])

@@ -43,7 +43,7 @@ static bool load(duet_mesh *mesh, const char *name, double scale, const char *be
 
 #define A_FILE "the name of a file .stl or .obj in the scene's folder or below it"
 
-static const field_table table = {"mesh", -1};
+static const field_table table = {"mesh", -1, NULL};
 static const field file_field = {
     .name = "file", .type = &field_string, .expected = A_FILE, .table = &table};
 static const field scale_field = {.name = "scale",

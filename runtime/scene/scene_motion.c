@@ -75,7 +75,7 @@ void scene_read_body(lua_State *L, const field *f, void *at)
 {
     duet_scene *scene = at;
     (void)f;
-    field_read_row(L, -1, (field_table){"body", -1}, body_fields, &scene->body);
+    field_read_row(L, -1, (field_table){"body", -1, NULL}, body_fields, &scene->body);
     scene->has_body = true;
 }
 
@@ -161,7 +161,7 @@ static const field attraction_fields[] = {
 void scene_read_attraction(lua_State *L, const field *f, void *at)
 {
     (void)f;
-    field_read_row(L, -1, (field_table){"attraction", -1}, attraction_fields,
+    field_read_row(L, -1, (field_table){"attraction", -1, NULL}, attraction_fields,
                    &((duet_scene *)at)->motion);
 }
 

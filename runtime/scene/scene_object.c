@@ -80,7 +80,7 @@ static bool is_list(lua_State *L)
 // The object that is read, in messages.
 static field_table object_of(const scene_reading *reading)
 {
-    return (field_table){"object", (lua_Integer)reading->scene->n_read};
+    return (field_table){"object", (lua_Integer)reading->scene->n_read, NULL};
 }
 
 static int refuse(lua_State *L, const scene_reading *reading, const char *expected)

@@ -119,7 +119,7 @@ static void list_args(duet_task *t)
     for (uint32_t i = 0; i < t->file->n_args; ++i) {
         const task_arg *arg = &t->file->args[i];
         t->args[i] = (duet_task_arg){.name = arg->name, .type = arg->type, .access = ""};
-        if (!arg->is_array)
+        if (arg->kind != TASK_ARG_ARRAY)
             continue;
         t->args[i].access = task_access_name(arg->access);
         t->args[i].elements = arg->count;
@@ -185,7 +185,7 @@ static bool find_arg(const duet_task *t, const char *name, bool is_array, const 
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s: %.48s is no argument of task %s; expected one as %s", call, name,
                          file->name, file->args[0].name);
-    return file->args[*i].is_array == is_array ||
+    return (file->args[*i].kind == TASK_ARG_ARRAY) == is_array ||
            error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s is a%s; expected a%s", call, name,
                      is_array ? " number" : "n array", is_array ? "n array" : " number");
 }
@@ -201,7 +201,7 @@ static bool set_number(duet_task *t, const char *name, const task_arg *value, co
     const task_arg before = *arg;
     arg->value = value->value;
     arg->whole = value->whole;
-    arg->is_whole = value->is_whole;
+    arg->kind = value->kind;
     bool ok = task_set_number(t->launcher, i, err);
     if (ok)
         return true;
@@ -213,16 +213,17 @@ bool duet_task_set_number(duet_task *t, const char *name, double value, duet_err
 {
     PUBLIC_CALL(err);
     task_arg number = {.value = value};
-    number.is_whole = value == floor(value) && fabs(value) < 0x1p63;
-    if (number.is_whole)
+    if (value == floor(value) && fabs(value) < 0x1p63) {
+        number.kind = TASK_ARG_WHOLE;
         number.whole = (int64_t)value;
+    }
     return set_number(t, name, &number, __func__, err);
 }
 
 bool duet_task_set_integer(duet_task *t, const char *name, int64_t value, duet_error *err)
 {
     PUBLIC_CALL(err);
-    const task_arg number = {.value = (double)value, .whole = value, .is_whole = true};
+    const task_arg number = {.value = (double)value, .whole = value, .kind = TASK_ARG_WHOLE};
     return set_number(t, name, &number, __func__, err);
 }
 

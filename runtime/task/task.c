@@ -88,7 +88,7 @@ void task_write_words(const task *t, char words[TASK_WORDS])
 
 bool task_arg_is_written(const task_arg *arg)
 {
-    return arg->is_array && arg->access >= TASK_OUT;
+    return arg->kind == TASK_ARG_ARRAY && arg->access >= TASK_OUT;
 }
 
 // ---------------------------------------------------------------- what is right

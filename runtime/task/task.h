@@ -57,13 +57,15 @@ int64_t task_values_get_whole(const task_values *v, uint64_t i); // of whole sca
 void task_values_set(task_values *v, uint64_t i, double value);
 void task_values_set_whole(task_values *v, uint64_t i, int64_t value);
 
+// A number keeps in `value` what it is, and in `whole` too if it was written as an integer.
+typedef enum task_arg_kind { TASK_ARG_REAL, TASK_ARG_WHOLE, TASK_ARG_ARRAY } task_arg_kind;
+
 typedef struct task_arg {
     char name[GEN_NAME];
-    bool is_array;
-    bool is_whole; // of a value: it was written as an integer
+    task_arg_kind kind;
     double value;
     int64_t whole;
-    char type[24];     // of an element, "float4"
+    char type[24];     // of an element, "float4"; this and the rest of an array
     uint32_t lanes;    // components of an element
     uint64_t count;    // elements
     uint64_t per_item; // elements of an item; 0: the array does not go with items

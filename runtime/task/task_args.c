@@ -29,12 +29,12 @@ static void read_type(lua_State *L, const field *f, void *at)
 {
     (void)f;
     task_arg *arg = at;
-    const char *type = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    if (!task_type_read(type, &arg->initial.scalar, &arg->lanes))
+    const char *type = field_text(L, -1);
+    if (!type || !task_type_read(type, &arg->initial.scalar, &arg->lanes))
         field_raise(L, arg->name,
                     "args.%s: the type is %s; expected char, short, int, long, one of these with u "
                     "before it, float or double, and 2, 4, 8 or 16 behind it for a vector",
-                    arg->name, script_tostring(L, -1, NULL));
+                    arg->name, field_push_shown(L, -1));
     snprintf(arg->type, sizeof arg->type, "%s", type);
 }
 
@@ -46,9 +46,9 @@ static const char *access_name(int access)
 static void read_send(lua_State *L, const field *f, void *at)
 {
     task_arg *arg = at;
-    const char *send = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
-    arg->once = strcmp(send, "once") == 0;
-    if (!arg->once && strcmp(send, "each") != 0)
+    const char *send = field_text(L, -1);
+    arg->once = send && strcmp(send, "once") == 0;
+    if (!arg->once && (!send || strcmp(send, "each") != 0))
         field_refuse(L, f, "each or once");
 }
 
@@ -98,7 +98,7 @@ static void put(lua_State *L, task_arg *arg, uint64_t i)
     if (task_values_put(v, i, L, -1))
         return;
     field_raise(L, arg->name, "args.%s: init gives %s for number %" PRIu64 "; expected a%s %s",
-                arg->name, script_tostring(L, -1, NULL), i,
+                arg->name, field_push_shown(L, -1), i,
                 task_scalar_is_whole(v->scalar) ? " whole number of" : " number for", arg->type);
 }
 
@@ -175,7 +175,8 @@ static void repeat(lua_State *L, task_arg *arg)
 
 static bool is_word(lua_State *L, const char *word)
 {
-    return lua_type(L, -1) == LUA_TSTRING && strcmp(lua_tostring(L, -1), word) == 0;
+    const char *chars = field_text(L, -1);
+    return chars && strcmp(chars, word) == 0;
 }
 
 static void read_init(lua_State *L, reading *r, task_arg *arg)
@@ -199,7 +200,7 @@ static void read_init(lua_State *L, reading *r, task_arg *arg)
     } else if (type != LUA_TNIL) {
         field_raise(L, arg->name,
                     "args.%s: init is %s; expected random, index, a number or a function",
-                    arg->name, script_tostring(L, -1, NULL));
+                    arg->name, field_push_shown(L, -1));
     }
     lua_pop(L, 1);
 }
@@ -240,7 +241,7 @@ static void read_array(lua_State *L, reading *r, task_arg *arg)
     uint64_t given = field_read_row(L, -1, r->table, array_fields, arg);
     if ((given & TYPE_AND_COUNT) != TYPE_AND_COUNT)
         field_raise(L, arg->name, "args.%s: expected a type and a number of elements", arg->name);
-    arg->is_array = true;
+    arg->kind = TASK_ARG_ARRAY;
     divide(L, r->task, arg);
     check_array(L, r->task, arg);
     fill(L, r, arg);
@@ -256,7 +257,7 @@ static void read_arg(lua_State *L, reading *r, task_arg *arg)
         int is_whole = 0;
         arg->value = lua_tonumber(L, -1);
         arg->whole = lua_tointegerx(L, -1, &is_whole);
-        arg->is_whole = is_whole;
+        arg->kind = is_whole ? TASK_ARG_WHOLE : TASK_ARG_REAL;
     } else {
         field_raise(L, arg->name,
                     "args.%s is a %s; expected a number, or a table as {\"float\", n}", arg->name,
@@ -273,15 +274,15 @@ static int compare_args(const void *a, const void *b)
 static void name_args(lua_State *L, task *t)
 {
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        size_t n = lua_type(L, -2) == LUA_TSTRING ? lua_rawlen(L, -2) : 0;
-        if (n == 0 || n >= GEN_NAME || strlen(lua_tostring(L, -2)) != n)
+        const char *name = field_text(L, -2);
+        if (!name || !*name || strlen(name) >= GEN_NAME)
             field_raise(L, "args",
                         "args has a field [%s]; expected the names of the kernel's "
                         "arguments",
-                        script_tostring(L, -2, NULL));
+                        field_push_shown(L, -2));
         if (t->n_args == GEN_MAX_ARGS)
             field_raise(L, "args", "args has more than %d arguments", GEN_MAX_ARGS);
-        snprintf(t->args[t->n_args++].name, GEN_NAME, "%s", lua_tostring(L, -2));
+        snprintf(t->args[t->n_args++].name, GEN_NAME, "%s", name);
     }
     qsort(t->args, t->n_args, sizeof *t->args, compare_args);
 }
@@ -295,7 +296,7 @@ void task_args_read(lua_State *L, int root, task *t, uint64_t seed, duet_error *
     name_args(L, t);
     for (uint32_t i = 0; i < t->n_args; ++i) {
         snprintf(r.name, sizeof r.name, "args.%s", t->args[i].name);
-        r.table = (field_table){r.name, -1};
+        r.table = (field_table){r.name, -1, NULL};
         lua_getfield(L, -1, t->args[i].name);
         read_arg(L, &r, &t->args[i]);
         lua_pop(L, 1);

@@ -78,7 +78,7 @@ static bool set_whole(task_slot *slot, task_scalar scalar, int64_t value)
 static bool set_slot(task_slot *slot, task_scalar scalar, const task_arg *arg)
 {
     if (task_scalar_is_whole(scalar))
-        return arg->is_whole && set_whole(slot, scalar, arg->whole);
+        return arg->kind == TASK_ARG_WHOLE && set_whole(slot, scalar, arg->whole);
     if (scalar == TASK_FLOAT)
         slot->f = (cl_float)arg->value;
     else
@@ -123,15 +123,15 @@ static bool bind_arg(task_call *c, const task *t, const gen_arg *card, duet_erro
                          "%s: args has no '%s', which the card of %s has", t->path, card->name,
                          c->kernel);
     const task_arg *arg = &t->args[i];
-    bool is_buffer = strchr(card->type, '*');
-    if (!is_range(t, i) && arg->is_array != is_buffer)
+    bool is_array = arg->kind == TASK_ARG_ARRAY, is_buffer = strchr(card->type, '*');
+    if (!is_range(t, i) && is_array != is_buffer)
         return error_set(err, DUET_STATUS_BAD_INPUT, "%s: args.%s is a%s; the card of %s has '%s'",
-                         t->path, arg->name, arg->is_array ? "n array" : " number", c->kernel,
+                         t->path, arg->name, is_array ? "n array" : " number", c->kernel,
                          card->type);
     snprintf(c->types[i], sizeof c->types[i], "%s", card->type);
-    return is_range(t, i)  ? check_range(c, t, i, card, err)
-           : arg->is_array ? check_array(c, t, arg, card, err)
-                           : set_value(c, t, i, card, err);
+    return is_range(t, i) ? check_range(c, t, i, card, err)
+           : is_array     ? check_array(c, t, arg, card, err)
+                          : set_value(c, t, i, card, err);
 }
 
 // ---------------------------------------------------------------- the call

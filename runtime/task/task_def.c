@@ -145,7 +145,7 @@ static bool take_initial(task *t, task_arg *arg, const duet_task_arg_def *def, d
 {
     if (!def->initial)
         return true;
-    if (!arg->is_array || arg->access == TASK_OUT || arg->access == TASK_SUM)
+    if (arg->kind != TASK_ARG_ARRAY || arg->access == TASK_OUT || arg->access == TASK_SUM)
         return refuse(t, arg->name, "has initial values; expected them of an array that is read",
                       err);
     memcpy(arg->initial.bytes, def->initial, arg->initial.size);

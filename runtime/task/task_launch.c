@@ -50,7 +50,7 @@ static void reset_results(task_launcher *l)
 {
     for (uint32_t i = 0; i < l->task->n_args; ++i) {
         const task_arg *arg = &l->task->args[i];
-        if (arg->is_array && arg->access == TASK_IN_OUT)
+        if (arg->kind == TASK_ARG_ARRAY && arg->access == TASK_IN_OUT)
             memcpy(l->results[i].bytes, arg->initial.bytes, arg->initial.size);
     }
 }
@@ -77,7 +77,7 @@ static void reset_side(task_side *s)
     for (uint32_t i = 0; i < l->task->n_args; ++i) {
         const task_arg *arg = &l->task->args[i];
         size_t from, to;
-        if (!arg->is_array || (arg->access != TASK_IN_OUT && arg->access != TASK_OUT))
+        if (arg->kind != TASK_ARG_ARRAY || (arg->access != TASK_IN_OUT && arg->access != TASK_OUT))
             continue;
         char *bytes = l->results[i].bytes;
         written_range(s, i, &from, &to);
@@ -113,7 +113,7 @@ static void merge_results(task_launcher *l)
 {
     const task_side *a = &l->sides[0], *b = &l->sides[1];
     for (uint32_t i = 0; i < l->task->n_args; ++i) {
-        if (!l->task->args[i].is_array || l->task->args[i].access != TASK_SUM)
+        if (l->task->args[i].kind != TASK_ARG_ARRAY || l->task->args[i].access != TASK_SUM)
             continue;
         task_values of_a = sum_of(a, i), of_b = sum_of(b, i);
         bool uses_a = a->side.first < a->side.last, uses_b = b->side.first < b->side.last;
@@ -180,7 +180,7 @@ static bool has_sum(const task *t)
 {
     bool has = false;
     for (uint32_t i = 0; i < t->n_args; ++i)
-        has |= t->args[i].is_array && t->args[i].access == TASK_SUM;
+        has |= t->args[i].kind == TASK_ARG_ARRAY && t->args[i].access == TASK_SUM;
     return has;
 }
 
@@ -317,7 +317,7 @@ static bool open_side(task_side *s, duet_error *err)
         return false;
     bool ok = true;
     for (uint32_t i = 0; ok && i < t->n_args; ++i)
-        ok = !t->args[i].is_array || hold_array(s, i, err);
+        ok = t->args[i].kind != TASK_ARG_ARRAY || hold_array(s, i, err);
     return ok;
 }
 

@@ -50,7 +50,8 @@ static int open_words(lua_State *L)
 
 static void read_tolerance(lua_State *L, const field *f, void *at)
 {
-    if (lua_type(L, -1) != LUA_TSTRING || strcmp(lua_tostring(L, -1), "exact") != 0)
+    const char *word = field_text(L, -1);
+    if (!word || strcmp(word, "exact") != 0)
         field_double.read(L, f, at);
 }
 
@@ -60,11 +61,12 @@ static void add_word(lua_State *L, task *t, const char *name)
     static const char allowed[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-";
     lua_getfield(L, -1, name);
-    const char *value = script_tostring(L, -1, NULL);
-    size_t used = strlen(t->key), space = sizeof t->key - used;
-    if (!*name || name[strspn(name, allowed)] || !*value || value[strspn(value, allowed)])
-        field_raise(L, "key", "key: '%s' is '%s'; expected names and values of letters and digits",
-                    name, value);
+    size_t length = 0, used = strlen(t->key), space = sizeof t->key - used;
+    const char *value = script_tostring(L, -1, &length);
+    if (!*name || name[strspn(name, allowed)] || !*value || strspn(value, allowed) < length)
+        field_raise(L, "key",
+                    "key: '%.100s' is '%s'; expected names and values of letters and digits", name,
+                    field_push_shown(L, -1));
     if (snprintf(t->key + used, space, "%s%s=%s", used ? " " : "", name, value) >= (int)space)
         field_raise(L, "key", "key is longer than %d letters", TASK_KEY - 1);
     lua_pop(L, 2);
@@ -82,10 +84,11 @@ static void add_words(lua_State *L, task *t)
     const char *names[MOST_WORDS];
     uint32_t n = 0;
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        if (lua_type(L, -2) != LUA_TSTRING || n == MOST_WORDS)
+        const char *name = field_text(L, -2); // the table keeps it alive
+        if (!name || n == MOST_WORDS)
             field_raise(L, "key", "key: expected at most %d words, as bins = 64", MOST_WORDS);
-        if (strcmp(lua_tostring(L, -2), "n") != 0)
-            names[n++] = lua_tostring(L, -2); // the table keeps it alive
+        if (strcmp(name, "n") != 0)
+            names[n++] = name;
     }
     qsort(names, n, sizeof *names, compare_names);
     for (uint32_t i = 0; i < n; ++i)
@@ -95,7 +98,7 @@ static void add_words(lua_State *L, task *t)
 // Its n is the size, by which tasks of one kind are neighbours.
 static void read_key(lua_State *L, task *t)
 {
-    static const field_table key = {"key", -1};
+    static const field_table key = {"key", -1, NULL};
     static const field n = {COUNT_ROW("n", size), .table = &key};
     t->size = t->items;
     if (lua_getfield(L, ROOT, "key") == LUA_TTABLE) {
@@ -110,7 +113,7 @@ static void read_key(lua_State *L, task *t)
 // A number, or { wide, high }.
 static void read_work(lua_State *L, const field *f, void *at)
 {
-    static const field_table table = {"work", -1};
+    static const field_table table = {"work", -1, NULL};
     static const field wide = {COUNT_ROW("[1]", wide), .table = &table};
     static const field high = {COUNT_ROW("[2]", work), .table = &table};
     task *t = at;
@@ -126,8 +129,17 @@ static void read_work(lua_State *L, const field *f, void *at)
     t->work = t->work > (uint64_t)TASK_MOST / t->wide ? UINT64_MAX : t->wide * t->work;
 }
 
+// Left out, it has the kernel's name; given, it is no longer empty.
+static void read_entry(lua_State *L, const field *f, void *at)
+{
+    field_chars.read(L, f, at);
+    if (!*(char *)at)
+        field_refuse(L, f, "the name of a function of the kernel");
+}
+
 static const field task_fields[] = {
-    FIELDS(task, kernel, entry),
+    FIELDS(task, kernel),
+    FIELD_AT("entry", (const field_type){.read = read_entry}, task, entry),
     {COUNT_ROW("items", items)},
     {.name = "work",
      .type = &(const field_type){.read = read_work},

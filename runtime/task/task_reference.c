@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/text_file.h"
-#include "gen/field_line.h"
+#include "gen/field.h"
 #include "gen/script.h"
 
 #include <inttypes.h>
@@ -126,9 +126,9 @@ static void push_args(lua_State *L, task *t)
     lua_setfield(L, -2, "items");
     for (uint32_t i = 0; i < t->n_args; ++i) {
         task_arg *arg = &t->args[i];
-        if (arg->is_array)
+        if (arg->kind == TASK_ARG_ARRAY)
             push_array(L, arg);
-        else if (arg->is_whole)
+        else if (arg->kind == TASK_ARG_WHOLE)
             lua_pushinteger(L, arg->whole);
         else
             lua_pushnumber(L, arg->value);
@@ -183,7 +183,7 @@ static void read_file(lua_State *L, task *t, const char *name, duet_error *why)
 void task_reference_read(lua_State *L, int root, task *t, duet_error *why)
 {
     int type = lua_getfield(L, root, "reference");
-    const char *name = type == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
+    const char *name = field_text(L, -1);
     if (type == LUA_TNIL) {
         snprintf(t->reference, sizeof t->reference, "%s", t->kernel);
     } else if (name && strcmp(name, t->kernel) == 0) {
@@ -204,7 +204,7 @@ void task_reference_read(lua_State *L, int root, task *t, duet_error *why)
         lua_call(L, 1, 0);
     } else {
         field_raise(L, "reference",
-                    "reference is a %s; expected a function, a kernel's name or a file's",
-                    luaL_typename(L, -1));
+                    "reference is %s; expected a function, a kernel's name or a file's",
+                    field_push_shown(L, -1));
     }
 }

@@ -64,7 +64,7 @@ bool task_side_send(task_side *s, duet_error *err)
 {
     bool ok = true;
     for (uint32_t i = 0; ok && i < s->launcher->task->n_args; ++i)
-        ok = !s->launcher->task->args[i].is_array || send_array(s, i, err);
+        ok = s->launcher->task->args[i].kind != TASK_ARG_ARRAY || send_array(s, i, err);
     return ok;
 }
 

@@ -112,6 +112,40 @@ TEST(a_wrong_option_is_wrong_usage)
                        "'n' cannot be chosen, since this is data and no .lua scene");
 }
 
+TEST(a_long_value_is_cut_and_not_the_sentence)
+{
+    char value[1501] = {0};
+    memset(value, 'x', sizeof value - 1);
+    program_assert_refused(program_run("run paper --repeat %s", value), 2,
+                           "x': give a whole number from ");
+    program_assert_refused(program_run("run paper --pairs %s", value), 1,
+                           "x: cannot be written: File name too long");
+    program_assert_refused(program_run("lua -e 'error(\"%s expected\")'", value), 1, "x expected");
+}
+
+TEST(an_empty_name_is_wrong_usage)
+{
+    static const refusal wrong[] = {
+        {"run ''", "duet run: SCENE|FILE is ''; 'duet run --help' says what it is"},
+        {"run paper --pairs ''",
+         "duet run: --pairs '': the value is empty; expected --pairs OUT.csv"},
+        {"run falling --steps 1 --record ''", "--record '': the value is empty"},
+        {"run falling --steps 1 --replay ''", "--replay '': the value is empty"},
+        {"run falling --steps 1 --every 1 --checkpoint ''", "--checkpoint '': the value is empty"},
+        {"run falling --steps 1 --frames ''", "--frames '': the value is empty"},
+        {"tune --config ''", "--config '': the value is empty"},
+        {"picture paper -o ''", "--output '': the value is empty"},
+        {"run falling --steps 1 --resume ''", "--resume '': the value is empty"},
+        {"run paper --pair ''", "--pair '': the value is empty; expected --pair A,B"},
+        {"lua ''", "is ''"},
+        {"report ''", "is ''"},
+        {"profiles import ''", "is ''"},
+        {"profiles export ''", "is ''"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        program_assert_refused(program_run("%s", wrong[i].given), 2, wrong[i].says);
+}
+
 // By whatever name it is called, and before it is read: it is no scene.
 TEST(an_output_that_would_replace_what_is_read_is_refused)
 {

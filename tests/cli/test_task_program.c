@@ -156,8 +156,9 @@ TEST(a_tune_file_has_tasks)
 TEST(a_wrong_task_in_a_tune_file_is_told)
 {
     static const refusal cases[] = {
-        {"n = 5", "a workload needs a scene or a task"},
-        {"scene = 'paper', task = 'saxpy.task.lua'", "this one has both"},
+        {"n = 5",
+         "tune.lua:1: workload 1: it has no scene and no task; expected a scene or a task"},
+        {"scene = 'paper', task = 'saxpy.task.lua'", "it has a scene and a task"},
         {"task = 'saxpy.task.lua', query = 'rays'", "a task has no query; expected a scene"},
         {"task = 'saxpy.task.lua', steps = 9", "steps is a number of 2 or more, of a scene"},
         {"task = 'none.task.lua'", "none.task.lua"},

@@ -517,6 +517,17 @@ TEST(a_strategy_or_query_that_there_is_not_is_one_line)
                            "query 'rays both': expected 'rays closest'");
 }
 
+TEST(a_wait_that_is_no_time_is_wrong_usage)
+{
+    static const char *const wrong[] = {"abc", "-1", "nan", "1e400", "1 s"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        char variable[32], says[64];
+        snprintf(variable, sizeof variable, "DUET_WAIT='%s'", wrong[i]);
+        snprintf(says, sizeof says, "DUET_WAIT is '%s'; expected a number of seconds", wrong[i]);
+        program_assert_refused(program_run_with(variable, "tune " QUICK SCENE), 2, says);
+    }
+}
+
 TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
 {
     static const refusal rows[] = {
@@ -525,15 +536,24 @@ TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
         {"return {\n workloads = {{scene = 'a.lua'}},\n stratgy = 'grid' }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua', m = 3}} }", CONFIG ":2:"},
         {"return {\n workloads = {{scene = 'a.lua', n = 'many'}} }", CONFIG ":2:"},
-        {"return {\n workloads = {{scene = 'a.lua'}},\n strategy = 'best' }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n strategy = 'best' }",
+         CONFIG ":3: strategy 'best': there is none; there are balance"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n modes = {'both'} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n budget = {minutes = 1} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n objective = 'beauty' }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua', items = 3}} }", CONFIG ":2:"},
+        {"return {\n workloads = {{scene = 'a.lua', n = 9},\n {scene = 'b.lua', n = -1}} }",
+         CONFIG ":3: workload 2: n is -1; expected a number of objects, or a list of them"},
+        {"return {\n workloads = {{scene = 'a.lua'},\n {}} }",
+         CONFIG ":3: workload 2: it has no scene and no task; expected a scene or a task"},
+        {"return {\n workloads = {{scene = 'a.lua', set = {n = 1}},\n {scene = 'b.lua', "
+         "set = {a = 'b\\0'}}} }",
+         CONFIG ":3: workload 2: set: a is 'b\\x00'; expected a value without NUL"},
         {"return {\n workloads = {{scene = 'a.lua', steps = 1}} }", CONFIG ":2: workload 1: steps"},
         {"return {\n workloads = {{scene = 'a.lua', steps = 9, query = 'rays'}} }", CONFIG ":2:"},
         {"return {\n workloads = {} }", CONFIG ":2:"},
-        {"return {\n workloads = {{scene = 'a.lua'}},\n level = 'best' }", CONFIG ":3:"},
+        {"return {\n workloads = {{scene = 'a.lua'}},\n level = 'best' }",
+         CONFIG ":3: level is 'best'; expected one of certified, aabb"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = {'sat6', 'gjk'} }", CONFIG ":3:"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n level = {'sat6', 'aabb'} }", "accuracy"},
         {"return {\n workloads = {{scene = 'a.lua'}},\n accuracy = {fals_rate = 1} }",

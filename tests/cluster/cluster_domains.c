@@ -3,7 +3,7 @@
 #include "cluster/cluster.h"
 #include "cluster/crowd.h"
 
-#include "cluster/object_skim.h"
+#include "cluster/interior.h"
 #include "cluster/owner.h"
 #include "runtime/narrowphase/rounded.h"
 #include "runtime/narrowphase/sat_frame.h"
@@ -91,12 +91,12 @@ FACT(cuts_stay_across_their_sides)
 }
 
 // Each object passed over is sound and lies inside, and none is wider than is said.
-FACT(what_is_skimmed_is_deep_inside)
+FACT(what_is_found_inside_is_deep_inside)
 {
     static crowd c;
     rng r = rng_seed(15);
     const extent inside = {{-2.5, -2.25, -3}, {2.5, 3, 2.7}};
-    uint32_t skimmed = 0;
+    uint32_t found = 0;
     for (uint32_t i = 0; i < 12; ++i) {
         make_crowd(&c, &r, i < 8 ? i : SPHERES - 8 + i);
         object_form form = object_form_of(&c.world);
@@ -104,10 +104,10 @@ FACT(what_is_skimmed_is_deep_inside)
             c.poses[7].rotation[1] = NAN;
         const object_rows rows = {.objects = (void *)(uintptr_t)objects_of(&c), .n = c.n};
         for (uint32_t first = 0, end; first < c.n; first = end + 1) {
-            skim s = skim_none;
-            end = object_rows_skim(&rows, &form, first, c.n, &inside, &s);
+            interior s = interior_none;
+            end = object_rows_add_interior(&rows, &form, first, c.n, &inside, &s);
             MUST(end >= first && end <= c.n, "a row");
-            for (uint32_t k = first; k < end; ++k, ++skimmed) {
+            for (uint32_t k = first; k < end; ++k, ++found) {
                 double at[3];
                 extent e = extent_of(&form, object_row(&rows, &form, k));
                 object_centre(&form, object_row(&rows, &form, k), at);
@@ -116,11 +116,11 @@ FACT(what_is_skimmed_is_deep_inside)
                     MUST(at[d] > inside.lower[d] && at[d] < inside.upper[d] &&
                              at[d] >= s.centres.lower[d] && at[d] <= s.centres.upper[d],
                          "inside");
-                MUST(extent_widest(&e) <= skim_widest(&s, &form), "no wider");
+                MUST(extent_widest(&e) <= interior_widest(&s, &form), "no wider");
             }
         }
     }
-    MUST(skimmed > 200, "some were");
+    MUST(found > 200, "some were");
 }
 
 // Rounds as the plain C reference does, which the devices do in the same way.

@@ -6,7 +6,7 @@
 
 static void require_arg(const task *t, const task_arg *arg)
 {
-    fuzz_require(!arg->is_array || arg->initial.n == arg->count * arg->lanes);
+    fuzz_require(arg->kind != TASK_ARG_ARRAY || arg->initial.n == arg->count * arg->lanes);
     fuzz_require(arg->per_item == 0 || arg->per_item * t->items == arg->count);
     fuzz_require(!arg->expected.bytes || arg->expected.size == arg->initial.size);
 }

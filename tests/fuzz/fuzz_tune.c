@@ -7,7 +7,7 @@
 static void require_config(const tune_config *c)
 {
     fuzz_require(c->n_workloads >= 1 && c->n_workloads <= CONFIG_WORKLOADS);
-    fuzz_require(c->def.n_variants <= FIELD_NAMES && c->def.n_modes <= CONFIG_MODES);
+    fuzz_require(c->def.n_variants <= FIELD_NAMES && c->def.n_modes <= FIELD_NAMES);
     for (uint32_t i = 0; i < c->n_workloads; ++i)
         fuzz_require(!c->workloads[i].scene == !!c->workloads[i].task &&
                      c->workloads[i].n_settings <= CONFIG_SETTINGS);

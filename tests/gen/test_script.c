@@ -290,4 +290,12 @@ TEST(no_address_is_shown)
                    "11.5aniltrue");
 }
 
+TEST(a_long_error_keeps_its_end)
+{
+    script *s = kept(sandbox_open(NULL, ERR));
+    static const char chunk[] = "error(('x'):rep(5000) .. ' expected y')";
+    must_fail(script_run(s, "long.lua", chunk, sizeof chunk - 1, 0, ERR), DUET_STATUS_BAD_INPUT,
+              "x expected y");
+}
+
 TEST_MAIN(NULL, NULL)

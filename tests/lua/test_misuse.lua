@@ -90,6 +90,35 @@ facts.holds("methods take any arguments, on any object, open or closed", functio
   end
 end)
 
+-- A metatable could close what was checked a moment before.
+facts.holds("no metatable of a table is asked", function()
+  local asked = {}
+  local function trap(t)
+    return setmetatable(t, { __index = function(_, key) asked[#asked + 1] = key end })
+  end
+  local pair <close> = assert(duet.device_pair())
+  local scene <close> = assert(duet.scene(paper, trap { n = 40 }))
+  local world <close> = assert(pair:world(scene, trap {}))
+  local motion <close> = assert(pair:motion(scene, trap {}))
+  assert(pair:motion(scene:poses(), nil, trap {})):close()
+  assert(world:online(trap { keep = false })):close()
+  assert(motion:set_def(trap {}))
+  assert(motion:user_data(trap { 0, 1 }))
+  assert(pair:tune(scene, trap { keep = false, budget_trials = 80, modes = { "own" }, variants = { "simd" },
+    level = "certified" }))
+  facts.equal(table.concat(asked, " "), "")
+end)
+
+facts.holds("a string with a NUL is refused and not cut", function()
+  local pair <close> = assert(duet.device_pair())
+  facts.raises("a string without NUL", duet.scene, paper .. "\0x")
+  facts.raises("n is 40\\x00x; expected a number", duet.scene, paper, { n = "40\0x" })
+  facts.raises("n is a table; expected a number", duet.scene, paper, { n = {} })
+  facts.raises("names with values", duet.scene, paper, { ["n\0"] = 1 })
+  facts.raises("a string without NUL", duet.device_pair, "pocl:0\0x")
+  facts.raises("level is 'sat6\\x00'; expected one of", pair.world, pair, { level = "sat6\0" })
+end)
+
 facts.holds("fields and operators of any object are values or errors", function()
   local objects = make_objects()
   for _ = 1, 2 do

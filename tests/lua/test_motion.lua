@@ -97,8 +97,8 @@ holds("bodies name materials of a table", function()
   local function with(field, value) return pair.motion, pair, boxes, nil, { [field] = value } end
   raises("materials, row 1: friction_rule is 'mean'; expected one of average, geometric_mean, min, product, max",
     with("materials", { { friction_rule = "mean" } }))
-  raises("material_pairs, row 2: expected two materials by their numbers",
-    with("material_pairs", { { 1, 1 }, { 1 } }))
+  raises("material_pairs, row 1: expected two of the 0 materials by their numbers",
+    with("material_pairs", { { 1, 1 } }))
   raises("materials is 3; expected a list of at most 15 materials", with("materials", 3))
 end)
 

@@ -48,7 +48,7 @@ holds("a level that misses none finds at least the reference's pairs", function(
     assert(level.missed > 0 or found >= n, level.name)
     equal(found, #scene:reference(level.name))
   end
-  raises("there is no level 'exact'; duet.levels() lists them", world.set_level, world, "exact")
+  raises("level is 'exact'; expected one of certified, aabb", world.set_level, world, "exact")
   raises("'exact'; expected one of certified, aabb", pair.world, pair, { level = "exact" })
 end)
 

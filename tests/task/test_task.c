@@ -315,7 +315,7 @@ TEST(the_first_wrong_number_of_many_is_found)
     rng r = rng_seed(test_seed());
     task t = {.name = "t", .tolerance = 0.25};
     for (int round = 0; round < 200; ++round) {
-        task_arg arg = {.name = "y", .is_array = true, .lanes = 1, .per_item = 1};
+        task_arg arg = {.name = "y", .kind = TASK_ARG_ARRAY, .lanes = 1, .per_item = 1};
         own(task_values) found;
         must(task_values_make(&found, TASK_FLOAT, N, ERR));
         must(task_values_make(&arg.expected, TASK_FLOAT, N, ERR));
@@ -405,6 +405,16 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"return {}", "kernel is missing"},
         {"return { kernel = 'k', args = {} }", "items is missing"},
         {"return { kernel = 'k', items = 10 }", "args is missing"},
+        {"return { kernel = 'k',\n entry = '', items = 10 }",
+         "t.task.lua:2: entry is ''; expected the name of a function of the kernel"},
+        {"return { kernel = 'k\\0b', items = 10 }",
+         "t.task.lua:1: kernel is 'k\\x00b'; expected a string without NUL"},
+        {"return { kernel = 'k', items = 10, key = { a = 'b\\0c' } }",
+         "key: 'a' is 'b\\x00c'; expected names and values of letters"},
+        {"return { kernel = 'k', items = 10, args = { x = { 'float\\0', 1 } } }",
+         "args.x: the type is float\\x00; expected char"},
+        {"return { kernel = 'k', items = 10, args = { x = { ('f'):rep(5000), 1 } } }",
+         "f...; expected char, short"},
         {"return { kernel = 'k', items = 0, args = {} }",
          "t.task.lua:1: items is 0; expected a whole number from 1"},
         {"return { kernel = 'k', items = 10, foo = 1 }", "a task has no field 'foo'"},
@@ -441,7 +451,7 @@ TEST(a_bad_file_is_one_line_that_names_file_and_field)
         {"return { kernel = 'k', items = 10, args = { x = { 'float', 2^40 } } }", "it may take"},
         {"return { kernel = 'k', tolerance = -1, items = 10 }", "tolerance is -1"},
         {"return { kernel = 'k', key = { a = {} }, items = 10 }", "key: 'a' is 'table: 1'"},
-        {"return { kernel = 'k', reference = 7, " TEN "}", "reference is a number"},
+        {"return { kernel = 'k', reference = 7, " TEN "}", "reference is 7; expected a function"},
         {"return { kernel = 'k', reference = 'k', " TEN "}",
          "t.task.lua:1: reference is 'k', the task's own kernel; expected another kernel's name"},
         {"return { kernel = 'k', reference = '../a.bin', " TEN "}", "expected a file beside"},

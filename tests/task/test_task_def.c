@@ -193,9 +193,8 @@ TEST(a_def_means_what_a_file_does)
     for (uint32_t i = 0; i < a->n_args; ++i) {
         const task_arg *f = &a->args[i], *d = &b->args[i];
         assert_string_equal(f->name, d->name);
-        assert_true(f->is_array == d->is_array && f->access == d->access && f->halo == d->halo &&
-                    f->count == d->count && f->per_item == d->per_item && f->value == d->value &&
-                    f->is_whole == d->is_whole);
+        assert_true(f->kind == d->kind && f->access == d->access && f->halo == d->halo &&
+                    f->count == d->count && f->per_item == d->per_item && f->value == d->value);
     }
     duet_task_file_destroy(a);
     duet_task_file_destroy(b);

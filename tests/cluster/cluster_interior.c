@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a device skims for a rank: it passes over nothing that the host must look at, and ranks
-// whose devices skim find the pairs of ranks whose devices do not. The CPU's parts here are told
-// that they have memory of their own.
+// What a device finds inside a box for a rank: it passes over nothing that the host must look at,
+// and ranks whose devices do so find the pairs of ranks whose devices do not. The CPU's parts here
+// are told that they have memory of their own.
 #include "cluster/cluster.h"
 #include "cluster/job.h"
 #include "cluster/worker_pair.h"
@@ -63,11 +63,11 @@ static bool is_between(double lower, double x, double upper)
 }
 
 // Each object passed over is sound, lies inside, and is in what is known of its block.
-static void must_be_deep(const object_form *form, const float *row, const skim_block *block)
+static void must_be_deep(const object_form *form, const float *row, const interior_block *block)
 {
     double at[3];
-    skim all = skim_none;
-    skim_add_block(&all, block);
+    interior all = interior_none;
+    interior_add_block(&all, block);
     object_centre(form, row, at);
     extent e = extent_of(form, row);
     MUST(object_is_sound(form, row), "sound");
@@ -75,7 +75,7 @@ static void must_be_deep(const object_form *form, const float *row, const skim_b
         MUST(is_between(inside.lower[k], at[k], inside.upper[k]) && at[k] >= all.centres.lower[k] &&
                  at[k] <= all.centres.upper[k],
              "inside");
-    MUST(extent_widest(&e) <= skim_widest(&all, form), "no wider than is said");
+    MUST(extent_widest(&e) <= interior_widest(&all, form), "no wider than is said");
 }
 
 // Whether float must see that it is deep inside: the host does, bounds are inside as a whole, and
@@ -83,10 +83,10 @@ static void must_be_deep(const object_form *form, const float *row, const skim_b
 static bool is_plainly_deep(const object_form *form, const float *row)
 {
     const object_rows one = {.objects = (void *)(uintptr_t)row, .n = 1};
-    skim s = skim_none;
+    interior s = interior_none;
     float lower[3], upper[3];
-    skim_box(&inside, lower, upper);
-    if (object_rows_skim(&one, form, 0, 1, &inside, &s) != 1)
+    interior_box(&inside, lower, upper);
+    if (object_rows_add_interior(&one, form, 0, 1, &inside, &s) != 1)
         return false;
     for (uint32_t k = 0; k < form->dims; ++k)
         if (form->shape == DUET_SHAPE_BOUNDS && !(row[k] > lower[k] && row[3 + k] < upper[k]))
@@ -119,34 +119,34 @@ static void a_device_passes_over_what_the_host_would(rng *r, uint32_t dims, duet
     must(duet_world_step(world, &result, ERR));
     rows = must(duet_world_map_objects(world, object_form_kind(&form), N, ERR));
     for (uint32_t i = 0; i < N; ++i)
-        make_row(r, &form, i / SKIM_ROWS == 1, rows + (size_t)i * words);
-    skim_box(&inside, lower, upper);
-    MUST(!world_skim(world, lower, upper), "nothing was sent ahead");
+        make_row(r, &form, i / INTERIOR_ROWS == 1, rows + (size_t)i * words);
+    interior_box(&inside, lower, upper);
+    MUST(!world_find_interior(world, lower, upper), "nothing was sent ahead");
     world_prefetch(world, N);
     for (int again = 0; again < 2; ++again) { // any number of times
-        const skim_block *blocks = NULL;
-        MUST(world_skim(world, lower, upper), "it skims");
+        const interior_block *blocks = NULL;
+        MUST(world_find_interior(world, lower, upper), "it looks");
         for (uint32_t from = 0; from < N; ++chunks)
-            from = world_await_skim(world, from, &blocks);
+            from = world_await_interior(world, from, &blocks);
         deep = plain = n_odd = 0;
         for (uint32_t i = 0; i < N; ++i) {
             const float *row = rows + (size_t)i * words;
-            bool is_odd = blocks[i / SKIM_ROWS].odd[i % SKIM_ROWS / 32] >> i % 32 & 1;
+            bool is_odd = blocks[i / INTERIOR_ROWS].odd[i % INTERIOR_ROWS / 32] >> i % 32 & 1;
             bool is_plain = is_plainly_deep(&form, row);
             if (!is_odd)
-                must_be_deep(&form, row, &blocks[i / SKIM_ROWS]);
+                must_be_deep(&form, row, &blocks[i / INTERIOR_ROWS]);
             MUST(!is_odd || !is_plain, "what is plainly deep is passed over");
             deep += !is_odd;
             plain += is_plain;
         }
-        for (uint32_t b = 0; b <= (N - 1) / SKIM_ROWS; ++b)
+        for (uint32_t b = 0; b <= (N - 1) / INTERIOR_ROWS; ++b)
             n_odd += blocks[b].n_odd;
     }
     MUST(chunks == 2 * world->parts[1].objects.n_chunks && chunks > 4, "they come in chunks");
     MUST(n_odd == N - deep, "odd ones are counted");
     MUST(plain > 500 && deep < N - 2000, "some are, and some are not");
     world_cancel_prefetch(world);
-    MUST(!world_skim(world, lower, upper), "nothing is sent ahead any more");
+    MUST(!world_find_interior(world, lower, upper), "nothing is sent ahead any more");
     duet_world_destroy(world);
 }
 
@@ -199,14 +199,14 @@ static void a_worker_keeps_its_objects(void)
 
 // ---------------------------------------------------------------- ranks
 
-static duet_cluster *open_cluster(int n_ranks, bool skims, uint32_t n_parts)
+static duet_cluster *open_cluster(int n_ranks, bool looks, uint32_t n_parts)
 {
     duet_cluster_def def = duet_default_cluster_def();
-    def.plain = !skims;
+    def.plain = !looks;
     def.weight = 1;
     def.parts = n_parts;
     def.imbalance = 1.5;
-    def.world.pair = skims ? devices : NULL;
+    def.world.pair = looks ? devices : NULL;
     def.world.plan.share = 0;
     def.world.plan.mode = DUET_MODE_OWN;
     return cluster_of(n_ranks, def);
@@ -282,14 +282,14 @@ static void must_name_the_bad(duet_cluster *c)
     MUST(strstr(ERR->text, "(2 such"), ERR->text);
 }
 
-static bool (*skim_in_truth)(worker *, const float[3], const float[3]);
-static int n_skims;
+static bool (*find_in_truth)(worker *, const float[3], const float[3]);
+static int n_finds;
 
-static bool count_skim(worker *w, const float lower[3], const float upper[3])
+static bool count_find(worker *w, const float lower[3], const float upper[3])
 {
-    bool skims = skim_in_truth(w, lower, upper);
-    n_skims += skims;
-    return skims;
+    bool finds = find_in_truth(w, lower, upper);
+    n_finds += finds;
+    return finds;
 }
 
 // Happens once a step, except where nothing was sent ahead or levels change.
@@ -330,18 +330,18 @@ static void must_find_again(duet_cluster *c, const duet_cluster_result *first)
     }
 }
 
-static void ranks_that_skim_find_the_same_pairs(int n_ranks, uint64_t seed)
+static void ranks_with_and_without_find_the_same_pairs(int n_ranks, uint64_t seed)
 {
     duet_cluster *clusters[] = {open_cluster(n_ranks, true, 1), open_cluster(n_ranks, false, 1)};
     uint64_t left = 0, apart = 0, left_apart = 0, timed = 0;
     part *b = &worker_of(clusters[0])->world->parts[1];
-    skim_in_truth = clusters[0]->workers[0]->skim;
-    clusters[0]->workers[0]->skim = count_skim;
+    find_in_truth = clusters[0]->workers[0]->find_interior;
+    clusters[0]->workers[0]->find_interior = count_find;
     for (int i = 0; i < 2; ++i)
         hand_over(clusters[i], N, seed);
     for (uint32_t at = 0; at < STEPS; ++at) {
         duet_cluster_result results[2];
-        n_skims = 0;
+        n_finds = 0;
         for (int i = 0; i < 2; ++i) {
             if (at > 0)
                 move_owned(clusters[i], move, at);
@@ -352,7 +352,7 @@ static void ranks_that_skim_find_the_same_pairs(int n_ranks, uint64_t seed)
             else
                 must(duet_cluster_step(clusters[i], &results[i], ERR));
         }
-        MUST(!is_quiet(at) || (n_skims == 1 && b->objects.n_chunks > 1),
+        MUST(!is_quiet(at) || (n_finds == 1 && b->objects.n_chunks > 1),
              "a look is enough, in chunks");
         left += clusters[0]->owned.leavers.n;
         b->least_chunk = 1;
@@ -397,7 +397,7 @@ static void objects_leave_in_the_order_of_their_rows(int n_ranks, uint64_t seed)
         worker_of(c)->world->parts[1].least_chunk = 1;
         for (uint32_t i = 1; i < l->n; ++i)
             MUST(l->rows[i - 1] < l->rows[i], "ascending");
-        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].skimmed.done[1]), "some left");
+        MUST(at < 3 || (l->n > 100 && worker_of(c)->world->parts[1].interior.done[1]), "some left");
         move_owned(c, move, at);
     }
     duet_cluster_destroy(c);
@@ -630,19 +630,22 @@ int main(int argc, char **argv)
     open_devices();
     if (rank == 0) { // with a group of one, as on a CPU, and of many
         a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd");
-        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES, "simd skim.WG=64");
-        a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_POSES, "simd skim.WG=256");
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_POSES,
+                                                 "simd find_interior.WG=64");
+        a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_POSES,
+                                                 "simd find_interior.WG=256");
         a_device_passes_over_what_the_host_would(&r, 2, DUET_SHAPE_BOUNDS, "simd");
-        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS, "simd skim.WG=128");
+        a_device_passes_over_what_the_host_would(&r, 3, DUET_SHAPE_BOUNDS,
+                                                 "simd find_interior.WG=128");
         a_worker_keeps_its_objects();
-        ranks_that_skim_find_the_same_pairs(ALONE, seed);
+        ranks_with_and_without_find_the_same_pairs(ALONE, seed);
         large_parts_find_the_same_pairs(ALONE, seed, 3, false);
         large_parts_find_the_same_pairs(ALONE, seed, 3, true);
         parts_find_the_same_pairs(ALONE, seed, true);
         parts_find_the_same_pairs(ALONE, seed, false);
     }
     MPI_Barrier(MPI_COMM_WORLD);
-    ranks_that_skim_find_the_same_pairs(2, seed);
+    ranks_with_and_without_find_the_same_pairs(2, seed);
     any_order_of_calls_finds_the_same_pairs(2, seed);
     objects_leave_in_the_order_of_their_rows(2, seed);
     newcomers_come_to_all_ranks_or_to_none(2, seed);

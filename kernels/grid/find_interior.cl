@@ -2,9 +2,9 @@
 // Which objects lie deep inside a box and need no second look. All others are odd: those outside
 // of it, those that are bad, and those of which float cannot tell.
 //
-//   objects  [n] poses or bounds; those from skim_from on, a multiple of SKIM_ROWS, are skimmed
+//   objects  [n] poses or bounds; those from interior_from on, a multiple of INTERIOR_ROWS, are looked at
 //   inside_lower, inside_upper   a pose's centre lies between them, or all of bounds
-//   blocks   [n / SKIM_ROWS, rounded up]
+//   blocks   [n / INTERIOR_ROWS, rounded up]
 //
 // The square is that of the half diagonal of a pose, or of half the longest edge of bounds. A half
 // edge is rounded once, and a sum of squares by fma thrice. What is rounded where numbers are
@@ -94,22 +94,22 @@ static inline void add(around *to, const around *of)
     to->square = fmax(to->square, of->square);
 }
 
-__kernel void skim(SKIM_ARGS)
+__kernel void find_interior(FIND_INTERIOR_ARGS)
 {
-    __local uint odd[SKIM_WORDS];
+    __local uint odd[INTERIOR_WORDS];
     __local uint n_odd;
     __local around seen[WG];
     const uint me = get_local_id(0);
-    const uint first = skim_from + get_group_id(0) * SKIM_ROWS;
+    const uint first = interior_from + get_group_id(0) * INTERIOR_ROWS;
     const float lower[3] = {inside_lower.x, inside_lower.y, inside_lower.z};
     const float upper[3] = {inside_upper.x, inside_upper.y, inside_upper.z};
     around mine = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0.0f};
-    for (uint w = me; w < SKIM_WORDS; w += WG)
+    for (uint w = me; w < INTERIOR_WORDS; w += WG)
         odd[w] = 0;
     if (me == 0)
         n_odd = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint at = me; at < SKIM_ROWS; at += WG) {
+    for (uint at = me; at < INTERIOR_ROWS; at += WG) {
         if (first + at >= n)
             break;
         __global const float2 *object = (__global const float2 *)objects + (size_t)(first + at) * ROW_PAIRS;
@@ -134,8 +134,8 @@ __kernel void skim(SKIM_ARGS)
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }
-    __global skim_block *block = blocks + first / SKIM_ROWS;
-    for (uint w = me; w < SKIM_WORDS; w += WG)
+    __global interior_block *block = blocks + first / INTERIOR_ROWS;
+    for (uint w = me; w < INTERIOR_WORDS; w += WG)
         block->odd[w] = odd[w];
     if (me == 0) {
         block->n_odd = n_odd;

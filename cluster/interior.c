@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cluster/object_skim.h"
+#include "cluster/interior.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,7 +15,7 @@ static float below(float rounded, double number)
     return (double)rounded > number ? nextafterf(rounded, -INFINITY) : rounded;
 }
 
-void skim_box(const extent *inside, float lower[3], float upper[3])
+void interior_box(const extent *inside, float lower[3], float upper[3])
 {
     for (int k = 0; k < 3; ++k) {
         lower[k] = above((float)inside->lower[k], inside->lower[k]);
@@ -24,7 +24,7 @@ void skim_box(const extent *inside, float lower[3], float upper[3])
 }
 
 // A block of bounds has more than their centres; squares are short by less than 2^-21.
-void skim_add_block(skim *s, const skim_block *block)
+void interior_add_block(interior *s, const interior_block *block)
 {
     for (int k = 0; k < 3; ++k) {
         s->centres.lower[k] = lesser(s->centres.lower[k], (double)block->lower[k]);
@@ -38,12 +38,12 @@ enum { SIDE_BY_SIDE = 4 }; // numbers that a compiler takes together
 // A pose is ten numbers: its centre and a half extent, three half extents and one of the rotation,
 // the rotation. Without a branch but the one that ends it, so that it takes little longer than
 // reading the rows.
-static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first, uint32_t end,
-                           const extent *inside, skim *to)
+static uint32_t add_poses(const duet_pose *poses, uint32_t dims, uint32_t first, uint32_t end,
+                          const extent *inside, interior *to)
 {
     float lower[SIDE_BY_SIDE], upper[SIDE_BY_SIDE], least[SIDE_BY_SIDE], most[SIDE_BY_SIDE];
     double square = to->square, in_3d = dims == 3;
-    skim_box(inside, lower, upper);
+    interior_box(inside, lower, upper);
     for (int k = 0; k < SIDE_BY_SIDE; ++k) {
         if ((uint32_t)k >= dims) {
             lower[k] = -INFINITY;
@@ -83,14 +83,14 @@ static uint32_t skim_poses(const duet_pose *poses, uint32_t dims, uint32_t first
     return i;
 }
 
-uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint32_t first,
-                          uint32_t end, const extent *inside, skim *s)
+uint32_t object_rows_add_interior(const object_rows *rows, const object_form *form, uint32_t first,
+                                  uint32_t end, const extent *inside, interior *s)
 {
     if (form->shape == DUET_SHAPE_POSES && form->origin > 0.0f)
         return first;
     if (form->shape == DUET_SHAPE_POSES)
-        return skim_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
-                          inside, s);
+        return add_poses((const duet_pose *)(const void *)rows->objects, form->dims, first, end,
+                         inside, s);
     for (; first < end; ++first) {
         const void *object = object_row(rows, form, first);
         double at[3];
@@ -104,7 +104,7 @@ uint32_t object_rows_skim(const object_rows *rows, const object_form *form, uint
     return first;
 }
 
-double skim_widest(const skim *s, const object_form *form)
+double interior_widest(const interior *s, const object_form *form)
 {
     double far = 0, half = sqrt(s->square), slack = 0;
     if (s->centres.lower[0] > s->centres.upper[0])
