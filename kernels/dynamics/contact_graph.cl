@@ -66,13 +66,6 @@ static inline void put_pairs(const graph *g, const row_sink *to, uint first, uin
         put_pair(g, to, min(g->pairs[i].x, g->pairs[i].y), max(g->pairs[i].x, g->pairs[i].y));
 }
 
-__kernel void contact_graph_pairs(CONTACT_GRAPH_PAIRS_ARGS)
-{
-    const graph g = {CONTACT_GRAPH_PAIRS_VALUES};
-    const row_sink to = {.fill = fill, .starts = starts, .values = others};
-    uint first = get_global_id(0) * PER_ITEM;
-    put_pairs(&g, &to, first, min(first + PER_ITEM, n_pairs));
-}
 #if BOUNDARY
 
 // Walls 2 k and 2 k + 1 are the lower and the upper one of axis k.
@@ -94,14 +87,6 @@ static inline void put_walls(const graph *g, const row_sink *to, uint first, uin
                 put_in_row(to, id, g->n + 2 * k + 1);
         }
     }
-}
-
-__kernel void contact_graph_walls(CONTACT_GRAPH_WALLS_ARGS)
-{
-    const graph g = {CONTACT_GRAPH_WALLS_VALUES};
-    const row_sink to = {.fill = fill, .starts = starts, .values = others};
-    uint first = get_global_id(0) * PER_ITEM;
-    put_walls(&g, &to, first, min(first + PER_ITEM, n));
 }
 #endif
 //@ if GROUND == 1 then
@@ -181,15 +166,28 @@ static inline void put_ground(const graph *g, const row_sink *to, uint first, ui
                 put_in_row(to, id, g->n + AT_GROUND + k);
     }
 }
-
-__kernel void contact_graph_ground(CONTACT_GRAPH_GROUND_ARGS)
-{
-    const graph g = {CONTACT_GRAPH_GROUND_VALUES};
-    const row_sink to = {.fill = fill, .starts = starts, .values = others};
-    uint first = get_global_id(0) * PER_ITEM;
-    put_ground(&g, &to, first, min(first + PER_ITEM, n));
-}
 //@ end
+
+// What bodies may touch that never moves.
+static inline void put_fixed(const graph *g, const row_sink *to, uint first, uint last)
+{
+#if BOUNDARY
+    put_walls(g, to, first, last);
+#endif
+#if GROUND
+    put_ground(g, to, first, last);
+#endif
+}
+
+// Work-items take pairs, and as many bodies.
+__kernel void contact_graph_rows(CONTACT_GRAPH_ROWS_ARGS)
+{
+    const graph g = {CONTACT_GRAPH_ROWS_VALUES};
+    const row_sink to = {.fill = fill, .starts = starts, .values = others};
+    const uint first = get_global_id(0) * PER_ITEM, last = first + PER_ITEM;
+    put_pairs(&g, &to, first, min(last, n_pairs));
+    put_fixed(&g, &to, first, min(last, n));
+}
 
 static inline void sink_down(__global uint *values, uint at, uint n)
 {
@@ -454,12 +452,7 @@ static inline void put_part(const graph *g, const row_sink *to, const team_membe
 {
     uint2 of_pairs = range_of(t, part, g->n_pairs), of_bodies = range_of(t, part, g->n);
     put_pairs(g, to, of_pairs.x, of_pairs.y);
-#if BOUNDARY
-    put_walls(g, to, of_bodies.x, of_bodies.y);
-#endif
-#if GROUND
-    put_ground(g, to, of_bodies.x, of_bodies.y);
-#endif
+    put_fixed(g, to, of_bodies.x, of_bodies.y);
 }
 
 __kernel void make_rows(MAKE_ROWS_ARGS)

@@ -29,31 +29,15 @@ return {
     common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
-    contact_graph_pairs = [[
+    contact_graph_rows = [[
       const uint2 *pairs
       uint n_pairs
+      const float *boxes
       const real4 *velocities
       const uint2 *filters  if FILTER == 1
       const float *sensors  if SENSORS == 1
-      uint fill
-      volatile uint *starts
-      uint *others
-    ]],
-    contact_graph_walls = [[
-      const float *boxes
-      const real4 *velocities
-      const float *sensors  if SENSORS == 1
       real4 lower           if BOUNDARY == 1
       real4 upper           if BOUNDARY == 1
-      uint n
-      uint fill
-      volatile uint *starts
-      uint *others
-    ]],
-    contact_graph_ground = [[
-      const float *boxes
-      const real4 *velocities
-      const float *sensors    if SENSORS == 1
     ]] .. ground .. [[
       uint n
       uint fill

@@ -65,7 +65,7 @@ static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
 static bool move_fixed(duet_motion *m, uint32_t old_n, duet_error *err)
 {
     motion_rows rows;
-    const bool touches = m->kernels.of[CONTACT_GRAPH_WALLS] || m->kernels.of[CONTACT_GRAPH_GROUND];
+    const bool touches = motion_touches_walls(m) || motion_touches_ground(m);
     if (!touches || m->graph.n_contacts == 0)
         return true;
     if (!motion_rows_of_words(m, LINKS, m->graph.n_contacts, 2, &rows, err))

@@ -167,8 +167,8 @@ static bool is_sensor(const duet_motion *m, uint32_t id)
 // Whether there is such a wall, or contact with the ground.
 static bool is_fixed(const duet_motion *m, uint32_t k)
 {
-    return k < AT_GROUND ? m->kernels.of[CONTACT_GRAPH_WALLS] && k < 2 * m->def.dims
-                         : m->kernels.of[CONTACT_GRAPH_GROUND] && k < FIXED;
+    return k < AT_GROUND ? motion_touches_walls(m) && k < 2 * m->def.dims
+                         : motion_touches_ground(m) && k < FIXED;
 }
 
 // The first of two bodies with a mass owns the contact; a body without mass owns one only as a

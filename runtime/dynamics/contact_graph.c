@@ -80,8 +80,8 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
 
 uint64_t motion_most_contacts(const duet_motion *m, uint64_t pairs)
 {
-    return pairs + (m->kernels.of[CONTACT_GRAPH_WALLS] ? 6 * (uint64_t)m->n : 0) +
-           (m->kernels.of[CONTACT_GRAPH_GROUND] ? GROUND_CONTACTS * (uint64_t)m->n : 0);
+    return pairs + (motion_touches_walls(m) ? 6 * (uint64_t)m->n : 0) +
+           (motion_touches_ground(m) ? GROUND_CONTACTS * (uint64_t)m->n : 0);
 }
 
 static bool note_pairs(duet_motion *m, uint64_t n, const buffer *pairs, duet_error *err)
@@ -144,9 +144,7 @@ void motion_refit_grid(duet_motion *m)
 static bool put_all(duet_motion *m, uint32_t fill, duet_error *err)
 {
     m->graph.fill = fill;
-    return motion_launch(m, CONTACT_GRAPH_PAIRS, err) &&
-           motion_launch(m, CONTACT_GRAPH_WALLS, err) &&
-           motion_launch(m, CONTACT_GRAPH_GROUND, err);
+    return motion_launch(m, CONTACT_GRAPH_ROWS, err);
 }
 
 static bool sort_rows(duet_motion *m, motion_buffer starts, motion_buffer values, duet_error *err)

@@ -130,6 +130,16 @@ static int64_t ground_kind(const duet_motion *m)
     return !has_ground ? 0 : m->def.mesh ? 2 : 1;
 }
 
+bool motion_touches_walls(const duet_motion *m)
+{
+    return has(m, DUET_EFFECT_CONTACT) && boundary_kind(m) == 1;
+}
+
+bool motion_touches_ground(const duet_motion *m)
+{
+    return has(m, DUET_EFFECT_CONTACT) && ground_kind(m) > 0;
+}
+
 static int64_t has_ground_material(const duet_motion *m)
 {
     return ground_kind(m) > 0 && has(m, DUET_EFFECT_MATERIALS) && ground_def_material(&m->def) > 0;
@@ -291,7 +301,6 @@ static bool ask_wanted(duet_motion *m, duet_error *err)
     const bool contact = has(m, DUET_EFFECT_CONTACT);
     const bool response = has(m, DUET_EFFECT_CONTACT_RESPONSE);
     const bool flight = has(m, DUET_EFFECT_MOTION) && !response;
-    const bool walls = contact && boundary_kind(m) == 1, ground = contact && ground_kind(m) > 0;
     const bool sleep = has(m, DUET_EFFECT_SLEEP), skin = has(m, DUET_EFFECT_SKIN);
     const bool events = has(m, DUET_EFFECT_EVENTS), shocks = has(m, DUET_EFFECT_SHOCKS);
     const bool cpu = m->device->info.kind == DUET_KIND_CPU;

@@ -40,6 +40,10 @@ uint32_t motion_offers(duet_motion *m, bool altered, gen_offer offers[MOTION_OFF
 // Whether a kernel is there, and a team's.
 bool motion_has_team(const duet_motion *m, motion_kernel which);
 
+// Whether bodies may touch walls, or the ground, that never move.
+bool motion_touches_walls(const duet_motion *m);
+bool motion_touches_ground(const duet_motion *m);
+
 // Whether contacts are told that closed fast.
 bool motion_tells_hits(const duet_motion *m);
 

@@ -15,10 +15,8 @@ KERNEL(INTEGRATE_FREE_FLIGHT, integrate_free_flight, "integrate_free_flight", fl
 KERNEL(COMPUTE_FAT_AABBS, compute_fat_aabbs, "fat_aabbs", contact, "grid", m->n)
 KERNEL(CHECK_FAT_AABBS, check_fat_aabbs, "fat_aabbs", skin, "fat_aabbs",
        m->graph.of_all ? m->n : m->awake.n_bodies)
-KERNEL(CONTACT_GRAPH_PAIRS, contact_graph_pairs, "contact_graph", contact, "contact_graph",
-       m->graph.n_pairs)
-KERNEL(CONTACT_GRAPH_WALLS, contact_graph_walls, "contact_graph", walls, "contact_graph", m->n)
-KERNEL(CONTACT_GRAPH_GROUND, contact_graph_ground, "contact_graph", ground, "contact_graph", m->n)
+KERNEL(CONTACT_GRAPH_ROWS, contact_graph_rows, "contact_graph", contact, "contact_graph",
+       m->graph.n_pairs > m->n ? m->graph.n_pairs : m->n)
 KERNEL(CONTACT_GRAPH_SORT, contact_graph_sort, "contact_graph", contact, "contact_graph", m->n)
 KERNEL(CONTACT_GRAPH_REVERSE, contact_graph_reverse, "contact_graph", contact, "contact_graph",
        m->n)

@@ -104,9 +104,6 @@ if(NOT simulated STREQUAL right)
   message(FATAL_ERROR "reads: ${simulated}, not ${right}")
 endif()
 
-if(DIMS EQUAL 2) # has no ground
-  list(APPEND launched "kernel 'contact_graph_ground'")
-endif()
 set(lacking "")
 file(GLOB paths ${KERNELS}/dynamics/*.cl ${KERNELS}/dynamics/*.cl.in)
 foreach(path IN LISTS paths)
