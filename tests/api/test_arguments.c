@@ -1129,6 +1129,14 @@ static void make_worlds(void)
     bounds_world = make_world(def);
 }
 
+// What a default def makes of the thing that it needs.
+#define MAKE(kind, needed)                                    \
+    __extension__({                                           \
+        duet_##kind##_def def_ = duet_default_##kind##_def(); \
+        def_.needed = needed;                                 \
+        must(duet_##kind##_create(&def_, ERR));               \
+    })
+
 static int open_all(void **state)
 {
     (void)state;
@@ -1140,32 +1148,20 @@ static int open_all(void **state)
     must(duet_world_step(world, &result, ERR));
     duet_motion_def moving = duet_scene_motion_def(scene, pair);
     motion = must(duet_motion_create_from_scene(&moving, scene, NULL, ERR));
-    duet_pair_query_def testing = duet_default_pair_query_def();
-    testing.pair = pair;
-    test = must(duet_pair_query_create(&testing, ERR));
+    test = MAKE(pair_query, pair);
     duet_tree_def planting = duet_default_tree_def();
     planting.pair = pair;
     planting.share = 0;
     tree = must(duet_tree_create(&planting, ERR));
-    duet_ray_query_def casting = duet_default_ray_query_def();
-    casting.tree = tree;
-    rays = must(duet_ray_query_create(&casting, ERR));
     duet_contact_query_def finding = duet_default_contact_query_def();
     finding.pair = pair;
     finding.share = 0;
     touching = must(duet_contact_query_create(&finding, ERR));
-    duet_box_query_def joining = duet_default_box_query_def();
-    joining.tree = tree;
-    boxes = must(duet_box_query_create(&joining, ERR));
-    duet_point_query_def asking = duet_default_point_query_def();
-    asking.tree = tree;
-    points = must(duet_point_query_create(&asking, ERR));
-    duet_sweep_query_def sweeping = duet_default_sweep_query_def();
-    sweeping.tree = tree;
-    sweeps = must(duet_sweep_query_create(&sweeping, ERR));
-    duet_online_def tuning = duet_default_online_def();
-    tuning.world = world;
-    online = must(duet_online_create(&tuning, ERR));
+    rays = MAKE(ray_query, tree);
+    boxes = MAKE(box_query, tree);
+    points = MAKE(point_query, tree);
+    sweeps = MAKE(sweep_query, tree);
+    online = MAKE(online, world);
     return 0;
 }
 

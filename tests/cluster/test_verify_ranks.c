@@ -35,19 +35,20 @@ static const char recorder_text[] =
     "end\n"
     "assert(motion:save_recording(path))\n";
 
-static int begin(void **state)
-{
-    (void)state;
-    test_write_file(SCENE, scene_of_sliding_boxes);
-    test_write_file(RECORDER, recorder_text);
-    return 0;
-}
-
 // No command comes before step 0.
 static void record(const char *path, int at, int body, const char *command)
 {
     program_done(
         program_run("lua --trust " RECORDER " %s %d %d %d %s", path, STEPS, at, body, command));
+}
+
+static int begin(void **state)
+{
+    (void)state;
+    test_write_file(SCENE, scene_of_sliding_boxes);
+    test_write_file(RECORDER, recorder_text);
+    record("plain.replay", 0, 0, "push");
+    return 0;
 }
 
 // Runs it, after which no checkpoint is left; mpirun leaves a folder of its own.
@@ -84,7 +85,6 @@ TEST(the_step_and_body_of_an_altered_command_are_found)
         {1, 24, "--other-ranks 2 --every 1", "different: step 1, solver, body 24: "},
         {STEPS, 9, "--ranks 3 --other-ranks 2 --every 5", "different: step 12, solver, body 9: "},
     };
-    record("plain.replay", 0, 0, "push");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char arguments[120];
         record("altered.replay", cases[i].step, cases[i].body, "push");
@@ -96,7 +96,6 @@ TEST(the_step_and_body_of_an_altered_command_are_found)
 
 TEST(the_contact_is_found_by_which_ranks_part)
 {
-    record("plain.replay", 0, 0, "push");
     record("altered.replay", 6, 9, "let");
     program p = verify("--replay plain.replay --other-replay altered.replay --ranks 2 --json");
     assert_int_equal(p.exit_code, 1);
@@ -111,7 +110,6 @@ TEST(the_contact_is_found_by_which_ranks_part)
 // User data are in no state and no contact.
 TEST(what_has_no_stage_is_told_as_a_byte_of_the_checkpoints)
 {
-    record("plain.replay", 0, 0, "push");
     record("altered.replay", 7, 9, "number");
     program p = verify("--replay plain.replay --other-replay altered.replay --ranks 2");
     program_assert_refused(p, 1, "different: step 7, checkpoint, byte ");
@@ -121,7 +119,6 @@ TEST(what_has_no_stage_is_told_as_a_byte_of_the_checkpoints)
 // A recording of another scene: the job's line is the only one.
 TEST(a_job_that_fails_ends_both)
 {
-    record("plain.replay", 0, 0, "push");
     program_done(program_run("run falling -n 25 --steps 12 --record falling.replay"));
     program_assert_refused(verify("--replay plain.replay --other-replay falling.replay --ranks 2"),
                            1, "falling.replay: recorded from step 0, 25 places");
