@@ -93,7 +93,7 @@ void visible_write(char *line, size_t size, const char *format, va_list args)
     if (whole) {
         size_t head = size - size / 4, tail = (size_t)length - size / 4 + sizeof "...";
         vsnprintf(whole, (size_t)length + 1, format, again);
-        while (is_inside(whole[head]))
+        for (int k = 0; k < 3 && is_inside(whole[head]); ++k) // what is no text may go on like that
             --head;
         while (is_inside(whole[tail]))
             ++tail;

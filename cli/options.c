@@ -148,7 +148,7 @@ static bool check_operands(const command_line *line, const given_options *given,
 {
     const bool instead = line->instead && option_is_given(line, given, line->instead);
     const char *name = line->operands ? line->operands + strspn(line->operands, "[") : "";
-    const int length = (int)strcspn(name, "]");
+    const int length = (int)strcspn(name, " ].");
     int least, most;
     count_operands(line, &least, &most);
     if (instead && n > 0)
@@ -157,12 +157,13 @@ static bool check_operands(const command_line *line, const given_options *given,
     if (!instead && n < least)
         return REFUSE(line, "%.*s is missing; 'duet %s --help' says what it is", length, name,
                       line->name);
-    if (n > 0 && !*operands[0] && !line->takes_empty)
-        return REFUSE(line, "%.*s is ''; 'duet %s --help' says what it is", length, name,
-                      line->name);
     if (n > most)
         return REFUSE(line, "unexpected argument '%s'; 'duet %s --help' shows the form",
                       operands[most], line->name);
+    for (int i = 0; i < n && !line->takes_empty; ++i)
+        if (!*operands[i])
+            return REFUSE(line, "%.*s is ''; 'duet %s --help' says what it is", length, name,
+                          line->name);
     return true;
 }
 

@@ -193,8 +193,8 @@ kernel *kernel_find(gen *g, const char *name, duet_error *err)
         text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
     if (g->dir)
         error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "no kernel '%s' in %s: there are %s; " GEN_WITHOUT_DIR, name, g->dir,
-                  text_chars(&all));
+                  "no kernel '%s' in %s: there are %s%s", name, g->dir, text_chars(&all),
+                  gen_without(g));
     else
         error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s': there are %s", name,
                   text_chars(&all));

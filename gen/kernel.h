@@ -38,14 +38,14 @@ typedef struct kernel {
     uint32_t n_made; // so far; the latest replaces the oldest
 } kernel;
 
-// The end of each message about a folder of kernels: who sets the variable forgets it.
-#define GEN_WITHOUT_DIR "without DUET_KERNEL_DIR the built-in kernels are read"
-
 struct gen {
     char *dir; // NULL: what is carried
     kernel *kernels;
     uint32_t n_kernels;
 };
+
+// Ends a message about a folder of kernels: who set the variable that names it may have forgotten that.
+const char *gen_without(const gen *g);
 
 // The kernel of that name. At first its files are read, NAME.lua, common.clh, NAME.cl or
 // NAME.cl.in; every one that is missing is NOT_FOUND with its path.

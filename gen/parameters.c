@@ -35,12 +35,22 @@ static const char *push_names(lua_State *L, int index)
     return lua_tostring(L, -1);
 }
 
+static bool has_nul(lua_State *L, int index)
+{
+    size_t length;
+    const char *chars = lua_tolstring(L, index, &length);
+    return strlen(chars) != length;
+}
+
 static void check_defaults(lua_State *L)
 {
     luaL_checktype(L, 1, LUA_TTABLE);
     for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
         if (lua_type(L, -2) != LUA_TSTRING)
             luaL_error(L, "a parameter has a name: parameters{ name = default }");
+        if (has_nul(L, -2) || (lua_type(L, -1) == LUA_TSTRING && has_nul(L, -1)))
+            luaL_error(L, "parameter '%s': expected a name and a default without NUL",
+                       lua_tostring(L, -2));
         int type = lua_type(L, -1);
         if (type != LUA_TNUMBER && type != LUA_TBOOLEAN && type != LUA_TSTRING)
             luaL_error(L, "parameter '%s': its default must be a number, boolean or string",

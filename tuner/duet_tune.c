@@ -46,7 +46,7 @@ static bool check_lists(const duet_tune_def *def, duet_error *err)
     for (uint32_t i = 0; ok && i < def->n_variants; ++i)
         ok = error_given(def->variants[i], call, "a variant", err);
     for (uint32_t i = 0; ok && i < def->n_modes; ++i)
-        ok = duet_mode_name(def->modes[i]) ||
+        ok = (duet_mode_name(def->modes[i]) && def->modes[i] != DUET_MODE_DEFAULT) ||
              error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
                        (int)def->modes[i]);
     return ok;

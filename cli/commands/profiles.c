@@ -81,7 +81,6 @@ static const option uid_options[] = {
 static const command_line use_line = {
     .name = "profiles use",
     .operands = "PROFILE",
-    .takes_empty = true,
     .about = "Makes a stored profile the one that applications load in its place, as it was\n"
              "before another replaced it. 'duet profiles list --dead' shows unused ones.",
     .options = uid_options,

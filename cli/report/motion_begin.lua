@@ -18,8 +18,8 @@ return function(o)
   line("%s of %.6g s", things(o.substeps, "substep", "substeps"), o.dt / o.substeps)
   report.tell_devices(o)
   report.tell_grids(o)
-  -- A step without pairs, or whose pairs B finds, leaves A idle.
-  local measured = o.profile ~= "default" and o.profile ~= "stale"
+  -- A step without pairs, or whose pairs B finds, leaves A idle. Bodies that nothing happens to have no profile.
+  local measured = (o.profile ~= "default" and o.profile ~= "stale") or #o.effects == 0
   line("plan: %s%s%s", source_words(o), o.share == 0 and o.a ~= o.b and "; A has nothing to do" or "",
     measured and "" or "; to measure a better one:")
   if not measured then report.command(o.tuning) end

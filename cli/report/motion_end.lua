@@ -17,7 +17,6 @@ local function tell_times(o)
   if o.timed_steps + 1 < o.steps then line("of %s", report.things(o.timed_steps, "timed step", "timed steps")) end
   line("\n%.3f ms a step after the first, the slowest %.3f: %.4g steps a second", o.ms_a_step, o.slowest_ms,
     o.ms_a_step > 0 and 1e3 / o.ms_a_step or 0)
-  if o.slowest_ms > 50 * o.ms_a_step then line("a step as slow compiles for the device; a second run does not") end
 end
 
 return function(o)

@@ -141,14 +141,15 @@ static double break_even(const duet_tune_outcome *o)
     return won_ms > 0 && !o->known ? ceil(o->seconds * 1e3 / won_ms) : NAN;
 }
 
-static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, bool is_task,
+// Steps of a motion, and tasks, have no level.
+static void add_command(cJSON *row, const duet_tune_outcome *o, bool one, bool has_level,
                         text *command)
 {
     if (command->length == 0)
         return;
     command_text_plan(command, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                       o->plan.variant_a, o->plan.variant_b, one);
-    if (!is_task)
+    if (has_level)
         command_text_option(command, "level", duet_level_get_info(o->level)->name);
     json_add(row, STRING("command", text_chars(command)));
 }
@@ -181,7 +182,7 @@ void tune_report_add(tune_report *r, const duet_tune_outcome *o, text *command)
     json_add_rates(row, (double)o->true_pairs, o->accuracy.missed, o->accuracy.false_rate);
     json_add_plan(row, o->plan.share / (double)DUET_SHARE_ONE, duet_mode_name(o->plan.mode),
                   o->plan.variant_a, o->plan.variant_b);
-    add_command(row, o, r->one, def->task, command);
+    add_command(row, o, r->one, !def->task && !def->steps, command);
     json_add(row, FLAG("one_device", r->one),
              NUMBER("best_share", o->best.share / (double)DUET_SHARE_ONE),
              INTERVAL("gain", o->gain, o->gain_low, o->gain_high), STRING("verdict", o->verdict),

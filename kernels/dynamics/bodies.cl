@@ -90,6 +90,7 @@ __kernel void prepare_bodies(PREPARE_BODIES_ARGS)
         if (id != NO_BODY)
             prepare_body(&s, id, body);
         store_body(&lines, bodies, id, ~0u, body);
+        END_TURN;
     }
 }
 
@@ -107,6 +108,7 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
         if (id != NO_BODY)
             accelerate_body(&s, id, body);
         store_body(&lines, bodies, id, ACCELERATED_ROWS, body);
+        END_TURN;
     }
 }
 
@@ -138,7 +140,6 @@ static inline float fastest_square(const state *s, uint id, float4 velocity, flo
     (ROW_BIT(BODY_VELOCITY) | ROW_BIT(BODY_DELTA_POSITION) | \
      (ANGULAR_VELOCITY ? ROW_BIT(BODY_ANGULAR_VELOCITY) | ROW_BIT(BODY_DELTA_ROTATION) : 0u))
 
-// PoCL 3.1 runs work-items without a body, too, if a turn that has a barrier ends by `continue`.
 __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 {
     const state s = {FINALIZE_BODIES_VALUES};
@@ -156,7 +157,8 @@ __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
 #if ANGULAR_VELOCITY
             angular_velocities[id] = (real4)(0);
 #endif
-        } else if (id != NO_BODY) {
+        }
+        if (id != NO_BODY && !sleeps) {
             float4 velocity = body[BODY_VELOCITY], angular_velocity = (float4)(0.0f);
             real4 centre = centres[id];
             centre.xyz += convert_real4(body[BODY_DELTA_POSITION]).xyz;
@@ -172,5 +174,6 @@ __kernel void finalize_bodies(FINALIZE_BODIES_ARGS)
             if (SLEEP)
                 s.rests[id] = rest_after(&s, id, fastest_square(&s, id, velocity, angular_velocity), velocity.w);
         }
+        END_TURN;
     }
 }

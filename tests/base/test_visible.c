@@ -46,6 +46,26 @@ TEST(characters_are_those_of_the_definition)
     assert_true(n_right > 1000);
 }
 
+static void write_in(char *line, size_t size, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    visible_write(line, size, format, args);
+    va_end(args);
+}
+
+TEST(a_long_line_of_no_text_is_cut_within_its_space)
+{
+    char given[3001], guarded[101];
+    memset(given, 0x80, sizeof given - 1);
+    given[sizeof given - 1] = '\0';
+    memset(guarded, 'G', sizeof guarded);
+    write_in(guarded + 1, sizeof guarded - 1, "%s", given);
+    assert_int_equal(guarded[0], 'G');
+    assert_true(strlen(guarded + 1) < sizeof guarded - 1);
+    assert_non_null(strstr(guarded + 1, "..."));
+}
+
 TEST(nothing_that_a_terminal_obeys_comes_through)
 {
     rng r = rng_seed(test_seed());

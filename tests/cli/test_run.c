@@ -200,7 +200,7 @@ TEST(timeline_shows_each_stage_where_it_was)
                  json_number(stage, "begin_ms"), json_number(stage, "end_ms"));
         assert_true(json_number(stage, "end_ms") == 0 || strstr(svg.chars, bar));
     }
-    assert_says(svg.chars, "the host has the pairs: ");
+    assert_says(svg.chars, "the host has the answer: ");
     program_assert_refused(program_run("run %s --steps 2 --timeline test_run.svg", SCENE), 2,
                            "--timeline");
     program p = program_done(program_run("run %s --repeat 1 --timeline -", SCENE));

@@ -786,7 +786,7 @@ TEST(a_failure_is_one_line)
         {"cluster --sorted still", 2, "--sorted does nothing without --pairs"},
         {"cluster --hosts one still", 2, "--hosts does nothing without --ranks"},
         {"cluster --ranks 2 --hosts '' still", 2,
-         "--hosts: expected names of machines, as one,two"},
+         "--hosts '': the value is empty; expected --hosts H,H"},
         {"cluster --verbose still", 2, "--verbose does nothing without --ranks"},
         {"cluster --plain --mode own still", 2, "--mode and --plain do not go together"},
         {"cluster --mode abacus still", 2, "--mode 'abacus': the modes are"},

@@ -212,4 +212,35 @@ TEST(a_group_solves_bodies_that_touch_nothing_at_first)
     assert_int_equal(run_two(), truth);
 }
 
+// 100 cubes that lie on a floor and fall asleep, then woken in part by one that falls.
+static uint64_t run_sleepers(uint32_t dims)
+{
+    mover *m = mover_new(dims);
+    m->def.wants = DUET_EFFECT_CONTACT_RESPONSE | DUET_EFFECT_SLEEP;
+    m->def.gravity[1] = -10.0;
+    mover_wall_in(m, -0.5, 300.0);
+    for (int i = 0; i < 100; ++i)
+        mover_add_cube(m, 2.0 * i + 1.0, 0.0, 1.0, 1);
+    mover_add_cube(m, 21.2, 6.0, 1.0, 1);
+    mover_run(m, 80);
+    uint64_t hash = mover_hash(m);
+    mover_free(m);
+    return hash;
+}
+
+// Two groups of a GPU's size take the bodies, and have work-items without one.
+TEST(groups_have_bodies_that_sleep_and_work_items_without_a_body)
+{
+    static const char *const of_bodies[] = {"bodies", "update_sleep", "awake"};
+    for (uint32_t dims = 2; dims <= 3; ++dims) {
+        memset(launches, 0, sizeof launches);
+        uint64_t truth = run_sleepers(dims);
+        for (int i = 0; i < KERNELS; ++i)
+            for (int k = 0; k < 3; ++k)
+                if (strcmp(names[i], of_bodies[k]) == 0)
+                    launches[i] = (launch){64, k == 2 ? 8 : 1, 0};
+        assert_int_equal(run_sleepers(dims), truth);
+    }
+}
+
 TEST_MAIN(mover_open_pair, mover_close_pair)

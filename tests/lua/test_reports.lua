@@ -60,14 +60,6 @@ facts.holds("a workload is told by what there is of it", function()
   facts.equal(report.workload_words { scene = "paper", objects = 9, items = 50, query = "rays" }, "paper, 9: 50 rays")
 end)
 
-facts.holds("one step that takes as long as many is told from the others", function()
-  local o = { stages = { { name = "grid", ms = 1 } }, effects = { "motion" }, ms_a_step = 2, slowest_ms = 10, steps = 9,
-    timed_steps = 9, hash = "0" }
-  assert(not told("motion_end.lua", o):find "compiles")
-  o.slowest_ms = 101
-  assert(told("motion_end.lua", o):find("a step as slow compiles for the device; a second run does not", 1, true))
-end)
-
 -- Boxes around words of a plot; a letter is 0.6 of its size wide.
 local function boxes_of(plot, is_label)
   local boxes = {}
