@@ -148,7 +148,7 @@ static bool check_operands(const command_line *line, const given_options *given,
 {
     const bool instead = line->instead && option_is_given(line, given, line->instead);
     const char *name = line->operands ? line->operands + strspn(line->operands, "[") : "";
-    const int length = (int)strcspn(name, " ].");
+    const int length = (int)strcspn(name, "]"), first = (int)strcspn(name, " ].");
     int least, most;
     count_operands(line, &least, &most);
     if (instead && n > 0)
@@ -162,7 +162,7 @@ static bool check_operands(const command_line *line, const given_options *given,
                       operands[most], line->name);
     for (int i = 0; i < n && !line->takes_empty; ++i)
         if (!*operands[i])
-            return REFUSE(line, "%.*s is ''; 'duet %s --help' says what it is", length, name,
+            return REFUSE(line, "%.*s is ''; 'duet %s --help' says what it is", first, name,
                           line->name);
     return true;
 }

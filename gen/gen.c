@@ -85,16 +85,8 @@ static bool list_dir(gen *g, duet_error *err)
 {
     return list_folder(g, "", err) &&
            (g->n_kernels > 0 ||
-            error_set(err, DUET_STATUS_NOT_FOUND,
-                      "kernel folder %s: no card (*.lua) in it%s", g->dir, gen_without(g)));
-}
-
-const char *gen_without(const gen *g)
-{
-    const char *given = getenv("DUET_KERNEL_DIR");
-    return g->dir && given && strcmp(given, g->dir) == 0
-               ? "; without DUET_KERNEL_DIR the built-in kernels are read"
-               : "";
+            error_set(err, DUET_STATUS_NOT_FOUND, "kernel folder %s: no card (*.lua) in it%s",
+                      g->dir, gen_without(g)));
 }
 
 static int compare_names(const void *a, const void *b)

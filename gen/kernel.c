@@ -181,6 +181,14 @@ static bool read_kernel(kernel *k, const char *dir, duet_error *err)
     return ok;
 }
 
+const char *gen_without(const gen *g)
+{
+    const char *given = getenv("DUET_KERNEL_DIR");
+    return g->dir && given && strcmp(given, g->dir) == 0
+               ? "; without DUET_KERNEL_DIR the built-in kernels are read"
+               : "";
+}
+
 kernel *kernel_find(gen *g, const char *name, duet_error *err)
 {
     for (uint32_t i = 0; i < g->n_kernels; ++i) {
@@ -192,9 +200,8 @@ kernel *kernel_find(gen *g, const char *name, duet_error *err)
     for (uint32_t i = 0; i < g->n_kernels; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
     if (g->dir)
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "no kernel '%s' in %s: there are %s%s", name, g->dir, text_chars(&all),
-                  gen_without(g));
+        error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s' in %s: there are %s%s", name,
+                  g->dir, text_chars(&all), gen_without(g));
     else
         error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s': there are %s", name,
                   text_chars(&all));

@@ -44,7 +44,8 @@ struct gen {
     uint32_t n_kernels;
 };
 
-// Ends a message about a folder of kernels: who set the variable that names it may have forgotten that.
+// Ends a message about a folder of kernels: who set the variable that names it may have forgotten
+// that.
 const char *gen_without(const gen *g);
 
 // The kernel of that name. At first its files are read, NAME.lua, common.clh, NAME.cl or

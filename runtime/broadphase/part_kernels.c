@@ -278,7 +278,10 @@ bool part_prepare_interior(part *p, duet_error *err)
 {
     const kernel_request list[] = {
         {&p->kernels.find_interior, true, "find_interior", "find_interior", part_bindings}};
-    return ASK(p, list, err) && program_set_build(p->programs, err);
+    const bool ok = ASK(p, list, err) && program_set_build(p->programs, err);
+    if (!ok)
+        p->kernels.find_interior = NULL;
+    return ok;
 }
 
 static bool ask_all(part *p, duet_error *err)

@@ -101,8 +101,8 @@ const char *world_objects_name(const duet_world_def *def);
 void world_prefetch(duet_world *world, uint32_t n);
 void world_cancel_prefetch(duet_world *world); // waits for it, and forgets it
 
-// Goes through what was sent ahead, by a device to which it goes anyway: which of the objects lie deep
-// inside of the box. False if none does, or if not all were sent. The other one waits for the
+// Goes through what was sent ahead, by a device to which it goes anyway: which of the objects lie
+// deep inside of the box. False if none does, or if not all were sent. The other one waits for the
 // blocks from `from` on, 0 at first, and returns up to which object they are there (part.h).
 bool world_find_interior(duet_world *world, const float inside_lower[3],
                          const float inside_upper[3]);

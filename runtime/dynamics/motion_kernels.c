@@ -414,6 +414,7 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
     bool ok = choose_all(m, err) && program_set_build(m->programs, err);
     product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
+        program_set_spare(m->programs);
         m->kernels = kernels;
         m->layout = layout;
         sums->block_sums = of_sorts[0];

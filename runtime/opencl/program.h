@@ -50,6 +50,9 @@ bool program_set_kernels(program_set *set, const kernel_request *list, size_t n,
 // kernels that are not built are spared, so that it does not come back with the next build.
 bool program_set_build(program_set *set, duet_error *err);
 
+// Leaves out of later builds what was asked for and is not built: whoever asked will not launch it.
+void program_set_spare(program_set *set);
+
 // Builds the variant and keeps nothing: whether the device's compiler takes it.
 bool program_set_check(program_set *set, const char *kernel_name, const gen_setting *settings,
                        uint32_t n_settings, duet_error *err);

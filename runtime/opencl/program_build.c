@@ -307,7 +307,7 @@ static bool create_kernels(const program_set *set, program *p, duet_error *err)
     return true;
 }
 
-static void spare_unbuilt(program_set *set)
+void program_set_spare(program_set *set)
 {
     for (program *p = set->first; p; p = p->next)
         for (int i = 0; i < p->n_entries; ++i)
@@ -321,6 +321,6 @@ bool program_set_build(program_set *set, duet_error *err)
     for (program *p = set->first; ok && p; p = p->next)
         ok = !p->cl || create_kernels(set, p, err);
     if (!ok)
-        spare_unbuilt(set);
+        program_set_spare(set);
     return ok;
 }

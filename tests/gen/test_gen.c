@@ -157,7 +157,7 @@ TEST(settings_that_do_not_fit_are_refused)
         {"plane",
          {"WG", 1},
          DUET_STATUS_BAD_ARGUMENT,
-         ": there are plain, shaped; without DUET_KERNEL_DIR the built-in kernels"},
+         "/tests/data/kernels: there are plain, shaped"},
         {"plain",
          {"WGG", 1},
          DUET_STATUS_BAD_ARGUMENT,
@@ -465,8 +465,12 @@ TEST(a_folder_takes_only_the_common_header_from_carried_files)
     must_fail(gen_open("no/such/folder", ERR), DUET_STATUS_NOT_FOUND,
               "kernel folder no/such/folder");
     test_make_folder(folder);
+    must_fail(gen_open(folder, ERR), DUET_STATUS_NOT_FOUND, ": no card (*.lua) in it");
+    assert_null(strstr(test_error.text, "DUET_KERNEL_DIR"));
+    setenv("DUET_KERNEL_DIR", folder, 1);
     must_fail(gen_open(folder, ERR), DUET_STATUS_NOT_FOUND,
               ": no card (*.lua) in it; without DUET_KERNEL_DIR the built-in kernels are read");
+    unsetenv("DUET_KERNEL_DIR");
     write_file("scan.lua", CARD("", ""));
     gen *g = must(gen_open(folder, ERR));
     gen_variant v;
