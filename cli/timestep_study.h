@@ -22,7 +22,7 @@ typedef struct timestep_run {
     double energy; // less the reference's, in the greatest kinetic energy
     double gain;   // greatest rise of energy over what it was before, in the same
     double depth;  // the deepest contact's
-    bool front;    // nothing is both faster, beyond noise, and nearer to the reference
+    bool front;    // no other is nearer to the reference in a time that is not longer beyond noise
 } timestep_run;
 
 typedef struct timestep_study {

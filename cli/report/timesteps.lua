@@ -38,7 +38,7 @@ return function(o)
   if #o.timesteps < o.asked then
     line("\n%.0f dearer ones were not begun: the limit, or Ctrl-C, came before.", o.asked - #o.timesteps)
   end
-  line("\n* nothing is both faster and nearer to the reference; < the scene's own.\n"
+  line("\n* nothing that is as fast, but for noise, is nearer to the reference; < the scene's own.\n"
     .. "noise: two times that differ by less than both of theirs may be the same; ? where a run\n"
     .. "had too few steps to know it: a longer --time has more.\n"
     .. "error: root mean square distance of the centres from the reference's, by powers of ten;\n"
