@@ -232,7 +232,7 @@ static const field config_fields[] = {
     READ_BY("strategy", read_strategy),
     FIELDS(tune_config, variants),
     FIELDS_IN(tune_config, def., search),
-    {.name = "modes", .type = &(const field_type){.read = read_modes}, .name_of = mode_name},
+    {.name = "modes", .type = &(const field_type){.read = read_modes}, .name_of = mode_to_search_name},
     FIELD_AT("budget", (const field_type){.read = read_budget}, tune_config, def),
     FIELD_WITHIN(tune_config, def., repeats, 0, 32, "a number from 0 to 32"),
     FIELD_WITHIN(tune_config, def., seed, 0, INT32_MAX, A_COUNT),

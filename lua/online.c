@@ -28,7 +28,7 @@ typedef struct online_def {
 static const field online_fields[] = {
     FIELDS_IN(online_def, def., most_extra, keep, store),
     FIELDS(online_def, variants),
-    FIELD_ENUMS(online_def, modes, mode_name),
+    FIELD_ENUMS(online_def, modes, mode_to_search_name),
     {0},
 };
 

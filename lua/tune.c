@@ -38,7 +38,7 @@ static const field def_fields[] = {
     FIELDS_IN(tune_def, def., ordered, fresh, strategy, strategy_lua, strategy_name, objective,
               search, query, items, steps),
     FIELDS(tune_def, variants),
-    FIELD_ENUMS(tune_def, modes, mode_name),
+    FIELD_ENUMS(tune_def, modes, mode_to_search_name),
     FIELDS_IN(tune_def, def., budget_seconds, budget_trials, wait_seconds, repeats, seed, script),
     FIELD_ENUMS_AT("level", tune_def, levels, level_name),
     FIELD_AT("accuracy", (const field_type){.read = read_accuracy}, tune_def, def),

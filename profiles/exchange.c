@@ -186,12 +186,27 @@ static bool check_objects(const import *in, const line_type *type, const cJSON *
     return true;
 }
 
+// Whether a string of the line has a NUL, which would cut it: an escape behind an even number of
+// backslashes.
+static bool has_nul(const char *line)
+{
+    for (const char *at = line; (at = strstr(at, "\\u0000")); ++at) {
+        const char *first = at;
+        while (first > line && first[-1] == '\\')
+            --first;
+        if ((at - first) % 2 == 0)
+            return true;
+    }
+    return false;
+}
+
 // Two readers must agree on the line, so that what comes in can go out again.
 static bool check_json(const import *in, const line_type *type, const char *line, duet_error *err)
 {
     cJSON *row = cJSON_ParseWithOpts(line, NULL, true);
     bool ok = cJSON_IsObject(row) || bad_line(in, err, "is not a JSON object", "");
-    ok = ok && check_objects(in, type, row, err);
+    ok = ok && check_objects(in, type, row, err) &&
+         (!has_nul(line) || bad_line(in, err, "has a string with a NUL", ""));
     cJSON_Delete(row);
     return ok;
 }

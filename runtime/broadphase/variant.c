@@ -162,3 +162,8 @@ const char *mode_name(int mode)
 {
     return duet_mode_name((duet_mode)mode);
 }
+
+const char *mode_to_search_name(int mode)
+{
+    return mode == DUET_MODE_DEFAULT ? NULL : mode_name(mode);
+}

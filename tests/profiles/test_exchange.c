@@ -238,6 +238,19 @@ TEST(a_row_whose_pair_is_nowhere_is_refused)
     assert_says(ERR->text, "pair_id");
 }
 
+// A backslash before u0000 is none: that line is refused for its key, which comes from the name.
+TEST(a_text_with_a_nul_is_refused)
+{
+    two_stores two = open_tuned();
+    profile_import_counts counts;
+    const char *lines = lines_of(two.s), *name = "\"name\":\"";
+    must_fail(import_lines(two.other, replaced(lines, name, "\"name\":\"a\\u0000"), &counts, ERR),
+              DUET_STATUS_BAD_INPUT, "has a string with a NUL");
+    assert_int_equal(test_count(two.other, "profile"), 0);
+    must_fail(import_lines(two.other, replaced(lines, name, "\"name\":\"a\\\\u0000"), &counts, ERR),
+              DUET_STATUS_BAD_INPUT, "its key is not that of its fields");
+}
+
 // Whatever a line holds, the import ends with all rows or with one line of
 // error, and the store stays sound.
 TEST(spoilt_bytes_never_break_the_store)
