@@ -37,19 +37,23 @@ static const char *show_text(lua_State *L)
     return lua_tostring(L, -1);
 }
 
-const char *field_push_shown(lua_State *L, int index)
+void field_push_raw(lua_State *L, int index)
 {
-    index = lua_absindex(L, index);
-    if (lua_type(L, index) > LUA_TSTRING || lua_islightuserdata(L, index))
-        return lua_pushfstring(L, "a %s", luaL_typename(L, index));
-    // luaL_tolstring would ask the metatable of strings or of numbers.
     if (lua_isnil(L, index))
         lua_pushstring(L, "nil");
     else if (lua_isboolean(L, index))
         lua_pushstring(L, lua_toboolean(L, index) ? "true" : "false");
     else
         lua_pushvalue(L, index);
-    lua_tostring(L, -1);
+    lua_tostring(L, -1); // makes a number a string in place
+}
+
+const char *field_push_shown(lua_State *L, int index)
+{
+    index = lua_absindex(L, index);
+    if (lua_type(L, index) > LUA_TSTRING || lua_islightuserdata(L, index))
+        return lua_pushfstring(L, "a %s", luaL_typename(L, index));
+    field_push_raw(L, index);
     return show_text(L);
 }
 

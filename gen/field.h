@@ -153,6 +153,10 @@ void field_push(lua_State *L, const field *f, const void *from);
 // nothing.
 const char *field_text(lua_State *L, int index);
 
+// Pushes nil, a boolean, a number or a string as text. luaL_tolstring would ask metatables, which
+// could change the table that is read.
+void field_push_raw(lua_State *L, int index);
+
 // Pushes what a message calls the value at index: a number as it is, a text up to its hundredth
 // byte, others by their type, since an address would be another one on each run.
 const char *field_push_shown(lua_State *L, int index);

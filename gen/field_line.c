@@ -29,7 +29,8 @@ static span whole_of(const char *source)
 
 // ---------------------------------------------------------------- values
 
-// What follows "name =" or "['name'] =" at this place, and not "name ==" or "surname ="; else NULL.
+// Finds what follows "name =" or "['name'] =" at this place, and not "name ==" or "surname ="; else
+// NULL.
 static const char *value_at(const char *source, const char *at, size_t length)
 {
     if (at > source && is_word(at[-1]))
@@ -119,7 +120,7 @@ static int count_lines(const char *from, const char *to)
     return n;
 }
 
-// What is left of the text from `at` on.
+// Returns the text from `at` on.
 static span rest_from(span in, const char *at)
 {
     return (span){at, in.end, in.line + count_lines(in.begin, at)};

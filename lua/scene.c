@@ -53,17 +53,10 @@ void scene_push_info(lua_State *L, const duet_scene_info *info)
 
 // ---------------------------------------------------------------- making
 
-// Pushes the value on top as text. Metatables are not asked, which could change the table.
+// Pushes the value on top as text.
 static const char *push_value(lua_State *L, const char *name)
 {
-    lua_pushvalue(L, -1);
-    if (lua_isboolean(L, -1))
-        lua_pushstring(L, lua_toboolean(L, -1) ? "true" : "false");
-    else if (lua_type(L, -1) == LUA_TNUMBER)
-        lua_pushstring(L, lua_tostring(L, -1));
-    else
-        lua_pushvalue(L, -1);
-    lua_remove(L, -2);
+    field_push_raw(L, -1);
     if (!field_text(L, -1))
         luaL_error(L, "%s is %s; expected a number, true, false or a string without NUL", name,
                    field_push_shown(L, -1));

@@ -62,7 +62,7 @@ static const command_line line = {
 
 // ---------------------------------------------------------------- the standard set
 
-// What is measured of a scene.
+// Says what is measured of a scene.
 typedef enum bench_measures { BENCH_PLANS, BENCH_PLANS_AND_LEVELS, BENCH_EFFECTS } bench_measures;
 
 typedef struct bench_scene {

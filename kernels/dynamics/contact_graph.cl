@@ -168,7 +168,7 @@ static inline void put_ground(const graph *g, const row_sink *to, uint first, ui
 }
 //@ end
 
-// What bodies may touch that never moves.
+// Puts walls and the ground, which never move.
 static inline void put_fixed(const graph *g, const row_sink *to, uint first, uint last)
 {
 #if BOUNDARY

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a device says of which objects lie inside a box, for kernels and host alike: a block of
-// words for each INTERIOR_ROWS of them.
+// A device's answer which objects lie inside a box, for kernels and host alike: a block of words
+// for each INTERIOR_ROWS of them.
 #ifndef KERNELS_GRID_INTERIOR_H
 #define KERNELS_GRID_INTERIOR_H
 

@@ -60,9 +60,10 @@ bool variant_is(const variant *a, const variant *b);
 // False for a name that no mode has.
 bool mode_from_name(const char *name, duet_mode *mode);
 
-// Name of a mode; NULL past the last. Of one that a tuning may search: not the default's, which is
-// none of its own.
+// Name of a mode; NULL past the last.
 const char *mode_name(int mode);
+
+// The same for the modes that a tuning may search: all but the default, which is none of its own.
 const char *mode_to_search_name(int mode);
 
 #endif

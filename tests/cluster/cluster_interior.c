@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a device finds inside a box for a rank: it passes over nothing that the host must look at,
-// and ranks whose devices do so find the pairs of ranks whose devices do not. The CPU's parts here
-// are told that they have memory of their own.
+// A device finds what lies inside a box for a rank: it passes over nothing that the host must look
+// at, and ranks whose devices do so find the pairs of ranks whose devices do not. The CPU's parts
+// here are told that they have memory of their own.
 #include "cluster/cluster.h"
 #include "cluster/job.h"
 #include "cluster/worker_pair.h"
