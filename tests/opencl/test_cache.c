@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #define _GNU_SOURCE
+#include "support/kernel_args.h"
 #include "support/test.h"
 
 #include "base/text_file.h"
@@ -393,17 +394,6 @@ TEST(a_folder_that_cannot_be_written_is_said)
 
 // ------------------------------------------------------- with a device
 
-typedef struct cell_start_args {
-    buffer keys, starts;
-    cl_uint n, end;
-} cell_start_args;
-
-static const binding bound[] = {BIND_BUFFER(cell_start_args, "keys", "uint *", keys),
-                                BIND_BUFFER(cell_start_args, "key_starts", "uint *", starts),
-                                BIND_VALUE(cell_start_args, "n_keys", n),
-                                BIND_VALUE(cell_start_args, "key_end", end),
-                                {0}};
-
 static uint32_t compiled;
 
 static void count_compiled(void *context, const duet_device_info *d, const char *name, uint32_t k,
@@ -419,7 +409,7 @@ static void build_on(const device *d)
     gen *g = kept(gen_open(NULL, ERR));
     const program_builder builder = {.cache_dir = dir, .on_compile = count_compiled};
     program_set *set = must(program_set_open(d, g, &builder, ERR));
-    must(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, bound, ERR));
+    must(program_set_kernel(set, "cell_start", "cell_start", NULL, 0, cell_start_bindings, ERR));
     must(program_set_build(set, ERR));
     program_set_close(set);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #define _POSIX_C_SOURCE 200809L
 #include "support/devices.h"
+#include "support/kernel_args.h"
 #include "support/test.h"
 
 #include "runtime/opencl/device_list.h"
@@ -337,17 +338,6 @@ TEST(pocls_cpus_are_known)
         assert_int_equal(n, cases[i].n_quirks);
     }
 }
-
-typedef struct clear_args {
-    buffer counters, counts;
-    cl_uint n_counters, n_counts;
-} clear_args;
-
-static const binding clear_bindings[] = {BIND_BUFFER(clear_args, "counters", "uint *", counters),
-                                         BIND_BUFFER(clear_args, "counts", "uint *", counts),
-                                         BIND_VALUE(clear_args, "n_counters", n_counters),
-                                         BIND_VALUE(clear_args, "n_counts", n_counts),
-                                         {0}};
 
 enum { CLEARED_MOST = 300000, CLEARINGS = 200 };
 
