@@ -120,7 +120,7 @@ __kernel __attribute__((reqd_work_group_size(WG, 1, 1))) void colour_contacts(CO
 {
     const colouring c = {COLOUR_CONTACTS_VALUES};
     __local uint places[PUSHING_KEYS], all_places[PUSHING_KEYS];
-    if (WAITS_FOR_LISTS)
+    if (WAITS_FOR_AWAKE)
         return;
     const uint n_bodies = N_AWAKE, n_here = N_AWAKE_CONTACTS, first = get_global_id(0), all = get_global_size(0);
     meeting groups = begin_meetings(team);
@@ -201,7 +201,7 @@ __kernel void colour_contacts(COLOUR_CONTACTS_ARGS)
 {
     const colouring c = {COLOUR_CONTACTS_VALUES};
     team_member t = TEAM_MEMBER;
-    if (WAITS_FOR_LISTS)
+    if (WAITS_FOR_AWAKE)
         return;
     uint n_bodies = N_AWAKE, n_here = N_AWAKE_CONTACTS, part;
     uint by_contacts = parts_of(&t, n_here, TEAM_LEAST_BODIES), by_bodies = parts_of(&t, n_bodies, TEAM_LEAST_BODIES);

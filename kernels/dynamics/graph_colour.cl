@@ -15,7 +15,7 @@
 __kernel void graph_colour_mark(GRAPH_COLOUR_MARK_ARGS)
 {
     const colouring c = {GRAPH_COLOUR_MARK_VALUES};
-    if (WAITS_FOR_LISTS)
+    if (WAITS_FOR_AWAKE)
         return;
     uint first = get_global_id(0) * PER_ITEM;
     mark_contacts(&c, first, min(first + PER_ITEM, N_AWAKE_CONTACTS));

@@ -171,12 +171,12 @@
 // granted. If something does not hold, kernels that come later do nothing, and the host goes on from there. A kernel
 // that names the macros takes `hopes` and `flags` as arguments.
 #define HOPES_FITS 1u       // all colours have space, and took no more rounds than are counted
-#define HOPES_LISTS 2u      // nothing wakes or falls asleep
+#define HOPES_AWAKE 2u      // nothing wakes or falls asleep
 #define HOPES_COLOURS 4u    // no contact has another colour than before
 #define HOPES_UNPRESSED 8u  // nothing is to be pushed out of others
-#define WAITS_FOR_LISTS ((hopes & HOPES_LISTS) && flags[FLAG_FELL_ASLEEP])
+#define WAITS_FOR_AWAKE ((hopes & HOPES_AWAKE) && flags[FLAG_FELL_ASLEEP])
 #define WAITS_FOR_HOST                                                               \
-    (((hopes & HOPES_FITS) && flags[FLAG_FULL]) || WAITS_FOR_LISTS ||                \
+    (((hopes & HOPES_FITS) && flags[FLAG_FULL]) || WAITS_FOR_AWAKE ||                \
      ((hopes & HOPES_COLOURS) && flags[FLAG_RECOLOURED]) ||                          \
      ((hopes & HOPES_UNPRESSED) && flags[FLAG_PRESSED]))
 

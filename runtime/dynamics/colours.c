@@ -75,7 +75,7 @@ static bool sort_colours(duet_motion *m, motion_kernel key, uint32_t starts[KEYS
     return motion_launch(m, key, err) &&
            radix_sort_ids(&m->solver.radix, &m->times, stage, &lists, m->awake.n_contacts, KEY_BITS,
                           err) &&
-           motion_launch(m, ROW_START, err) && motion_start_flags(m, err) &&
+           motion_launch(m, ROW_START, err) && motion_read_flags(m, err) &&
            timeline_read(&m->times, stage, &b[COLOUR_STARTS], starts, bytes, err);
 }
 
@@ -163,13 +163,10 @@ static bool launch_colouring(duet_motion *m, duet_error *err)
                        SORT_STAGES + ROUND_STAGES * TEAM_ROUNDS, err);
 }
 
-bool motion_read_colours(duet_motion *m, duet_error *err)
+static bool read_spans(duet_motion *m, duet_error *err)
 {
-    return m->kernels.of[COLOUR_CONTACTS]
-               ? motion_start_flags(m, err) &&
-                     timeline_read(&m->times, "graph_colour", &m->buffers[SPANS], m->solver.colours,
-                                   sizeof m->solver.colours, err)
-               : motion_read_flags(m, err);
+    return timeline_read(&m->times, "graph_colour", &m->buffers[SPANS], m->solver.colours,
+                         sizeof m->solver.colours, err);
 }
 
 bool motion_keep_colours(duet_motion *m, duet_error *err)
@@ -178,6 +175,8 @@ bool motion_keep_colours(duet_motion *m, duet_error *err)
         m->team.stage += ROUND_STAGES * (m->flags[FLAG_ROUNDS] - TEAM_ROUNDS);
     if (keep_list(m) || !m->kernels.of[COLOUR_CONTACTS])
         return true;
+    if (!read_spans(m, err))
+        return false;
     count_colours(&m->solver);
     return use_colours(m, err);
 }
@@ -198,7 +197,7 @@ bool motion_end_colours(duet_motion *m, duet_error *err)
     if (m->graph.n_contacts == 0)
         return list_none(m);
     const bool asks = m->kernels.of[COLOUR_CONTACTS] || m->solver.rounds == 0;
-    return (!asks || (motion_read_colours(m, err) && motion_keep_colours(m, err))) &&
+    return (!asks || (motion_read_flags(m, err) && motion_keep_colours(m, err))) &&
            (product_is_right(&m->products, PRODUCT_COLOURS) || list_colours(m, err));
 }
 

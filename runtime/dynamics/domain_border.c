@@ -51,7 +51,7 @@ static bool count_listed(duet_motion *m, uint32_t listed, cl_uint *n, duet_error
     return motion_reserve(m, BORDER_STARTS, (uint64_t)all + 1, sizeof(cl_uint), err) &&
            motion_launch(m, COUNT_BORDER, err) &&
            scan_run(&m->graph.scan, &m->times, stage, starts, starts, all + 1, err) &&
-           motion_start_flags(m, err) &&
+           motion_read_flags(m, err) &&
            motion_fetch(m, stage, BORDER_STARTS, all * sizeof *n, n, sizeof *n, err);
 }
 

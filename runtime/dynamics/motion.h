@@ -144,13 +144,6 @@ static inline bool motion_read_flags(duet_motion *m, duet_error *err)
                          err);
 }
 
-// The same, but does not wait.
-static inline bool motion_start_flags(duet_motion *m, duet_error *err)
-{
-    return timeline_start_read(&m->times, "flags", &m->buffers[FLAG_WORDS], 0, m->flags,
-                               sizeof m->flags, err);
-}
-
 // 32-bit words of state that an object has in a buffer; 0: not by object, or not called for.
 uint32_t motion_words(const duet_motion *m, motion_buffer which);
 

@@ -247,7 +247,7 @@ static cl_uint hopes_of(const duet_motion *m, const uint32_t flags[FLAGS])
     if (m->graph.n_contacts == 0 || m->buffers[BLOCKS].bytes == 0 || !motion_solves_at_once(m) ||
         !(lays || stays) || product_is_right(&m->products, PRODUCT_MANIFOLDS))
         return 0;
-    return HOPES_FITS | (lays ? 0 : HOPES_COLOURS) | (flags[FLAG_FELL_ASLEEP] ? 0 : HOPES_LISTS) |
+    return HOPES_FITS | (lays ? 0 : HOPES_COLOURS) | (flags[FLAG_FELL_ASLEEP] ? 0 : HOPES_AWAKE) |
            (flags[FLAG_PRESSED] ? 0 : HOPES_UNPRESSED);
 }
 
@@ -258,18 +258,16 @@ static bool is_vain(const uint32_t flags[FLAGS], cl_uint hopes)
 }
 
 // Lists of some bodies take in what woke, so the host waits here unless it hopes that nothing did.
+// Without lists that spares two launches.
 static bool send_manifolds(duet_motion *m, cl_uint *hopes, duet_error *err)
 {
-    const bool lists = (m->effects & DUET_EFFECT_SLEEP) && !m->awake.all_awake;
-    if (!lists)
-        *hopes &= ~HOPES_LISTS;
     if (!motion_begin_manifolds(m, err))
         return false;
-    if (*hopes & HOPES_LISTS)
+    if (*hopes & HOPES_AWAKE)
         return true;
     if (!motion_end_manifolds(m, err))
         return false;
-    if (lists)
+    if (!m->awake.all_awake)
         *hopes = (*hopes & ~HOPES_UNPRESSED) | (m->flags[FLAG_PRESSED] ? 0 : HOPES_UNPRESSED);
     return true;
 }
@@ -279,7 +277,7 @@ static bool send_whole(duet_motion *m, cl_uint *hopes, duet_error *err)
     bool ok = send_manifolds(m, hopes, err);
     m->solver.hopes = *hopes;
     ok = ok && motion_begin_colours(m, err) && send_end(m, !(*hopes & HOPES_UNPRESSED), err) &&
-         motion_read_colours(m, err);
+         motion_read_flags(m, err);
     m->solver.hopes = 0;
     return ok;
 }
@@ -287,8 +285,8 @@ static bool send_whole(duet_motion *m, cl_uint *hopes, duet_error *err)
 // No kernel behind what differs has done anything.
 static bool go_on(duet_motion *m, cl_uint hopes, duet_error *err)
 {
-    bool fell = (hopes & HOPES_LISTS) && m->flags[FLAG_FELL_ASLEEP];
-    return (!fell || (motion_end_manifolds(m, err) && motion_begin_colours(m, err))) &&
+    const uint32_t *flags = m->flags;
+    return (!WAITS_FOR_AWAKE || (motion_end_manifolds(m, err) && motion_begin_colours(m, err))) &&
            motion_end_colours(m, err) && end_response(m, err);
 }
 
@@ -311,9 +309,9 @@ static bool respond(duet_motion *m, duet_error *err)
         return false;
     cl_uint hopes = hopes_of(m, flags);
     if (!alike)
-        hopes &= ~HOPES_LISTS; // lists that are new are waited for, since nothing has counted them
+        hopes &= ~HOPES_AWAKE; // lists that are new are waited for, since nothing has counted them
     const bool holds =
-        alike && (hopes & HOPES_LISTS) && (hopes & HOPES_UNPRESSED) && !flags[FLAG_RECOLOURED];
+        alike && (hopes & HOPES_AWAKE) && (hopes & HOPES_UNPRESSED) && !flags[FLAG_RECOLOURED];
     bool ok = (!holds || timeline_hold(&m->times, err)) &&
               (hopes ? respond_whole(m, hopes, err)
                      : ensure(m, PRODUCT_COLOURS, err) && end_response(m, err));

@@ -53,9 +53,8 @@ bool motion_end_manifolds(duet_motion *m, duet_error *err);
 bool motion_begin_colours(duet_motion *m, duet_error *err);
 bool motion_end_colours(duet_motion *m, duet_error *err);
 
-// Reads the flags and, if colours are made at once, how they lie; motion_keep_colours then notes
-// whether those of the step before still hold, and makes space for the others.
-bool motion_read_colours(duet_motion *m, duet_error *err);
+// Once flags were read: notes whether the colours of the step before still hold; else reads how
+// others lie that were made at once, and makes space for them.
 bool motion_keep_colours(duet_motion *m, duet_error *err);
 
 // With contact response: the substeps, of bodies and colours that are right.

@@ -108,7 +108,9 @@ bool timeline_read_beside(timeline *t, const char *stage, buffer *b, void *to, s
 bool timeline_follow(timeline *t, cl_event beside, duet_error *err);
 
 // Reads from byte `at` without waiting: the bytes are there once a later read has
-// waited, or the timeline has finished. No kernel may change them before that.
+// waited, or the timeline has finished. No kernel may change them before that. Memory that is no
+// host_block is filled by a thread of the driver, for which a read right behind waits: 0.05 to 0.3
+// ms on an H200.
 bool timeline_start_read(timeline *t, const char *stage, buffer *b, size_t at, void *to,
                          size_t bytes, duet_error *err);
 
