@@ -17,28 +17,12 @@ local of_rest = [[
   uint carrier  only if CARRIED == 1
 ]]
 
--- Which bodies are pushed, and their contacts.
-local of_sleepers = [[
-  const uint2 *links
-  const uint *asleep
-  const real4 *velocities
-  const float *sensors  if SENSORS == 1
-  uint n
-  const uint *awake
-  const uint *n_listed
-  uint all_awake
-  float margin
-  uint round
-  uint hopes
-  const uint *flags
-]]
-
 return {
-  about = "which bodies sleep; those that do deep in each other are pushed apart",
+  about = "which bodies sleep",
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/contact.clh", "dynamics/rest.clh",
-    "dynamics/listed.clh", "dynamics/body_row.clh" },
+    "dynamics/listed.clh", "dynamics/sensor.clh", "dynamics/body_row.clh" },
   params = {
-    common.DIMS, common.DOUBLE, common.ORIGIN, common.TURN, common.FRICTION, common.CONTACT_RESPONSE,
+    common.DIMS, common.DOUBLE, common.TURN, common.FRICTION, common.CONTACT_RESPONSE,
     { "SLEEP", values = { 1 }, default = 1, about = "bodies at rest are left out" },
     common.SENSORS, common.CARRIED, common.GROUP(64), common.ROWS_AN_ITEM,
   },
@@ -51,26 +35,6 @@ return {
     ]],
     wake_touching = of_rest .. [[
       volatile uint *asleep
-    ]],
-    push_sleepers = [[
-      const uint *touches
-      const uint *starts
-      const uint *return_starts
-      const uint *returns
-    ]] .. of_sleepers .. [[
-      float *contacts
-      float4 *bodies
-    ]],
-    move_sleepers = [[
-      const uint *touches
-      const uint *starts
-    ]] .. of_sleepers .. [[
-      float dt
-      float *contacts
-      float4 *bodies
-      real4 *centres
-      int4 *cells           if ORIGIN > 0
-      float *rests
     ]],
   },
   valid = common.can_double,

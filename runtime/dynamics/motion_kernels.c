@@ -99,6 +99,8 @@ static const binding motion_bindings[] = {
     VALUE_OF(solver, from_colour),
     VALUE_OF(solver, to_colour),
     VALUE_OF(solver, each),
+    VALUE_OF(solver, from_round),
+    VALUE_OF(solver, to_round),
     VALUE_OF(solver, from_pass),
     VALUE_OF(solver, to_pass),
     VALUE_OF(team, stage),

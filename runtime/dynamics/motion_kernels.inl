@@ -62,8 +62,7 @@ KERNEL(SOLVE_SUBSTEPS, solve_substeps, "solve_substeps", at_once, "solve_contact
 KERNEL(CONTACT_EVENTS, contact_events, "contact_events", events, "events",
        ((uint64_t)m->graph.n_contacts + 31) / 32)
 KERNEL(FINALIZE_BODIES, finalize_bodies, "bodies", response, "integrate", m->awake.n_bodies)
-KERNEL(PUSH_SLEEPERS, push_sleepers, "update_sleep", sleep, "sleep", m->awake.n_bodies)
-KERNEL(MOVE_SLEEPERS, move_sleepers, "update_sleep", sleep, "sleep", m->awake.n_bodies)
+KERNEL(PUSH_SLEEPERS, push_sleepers, "push_sleepers", sleep, "sleep", m->awake.n_bodies)
 // bodies that commands altered
 KERNEL(PLACE_ALTERED, place_altered, "altered_pairs", skin, "altered_pairs", m->altered.n)
 KERNEL(FIND_ALTERED_PAIRS, find_altered_pairs, "altered_pairs", skin, "altered_pairs", m->n)

@@ -135,11 +135,24 @@ static bool store_impulses(duet_motion *m, duet_error *err)
 
 // A sleeper deep in others goes when all else has gone, so that whatever it then touches is
 // searched for where it is.
-static bool push_sleepers(duet_motion *m, duet_error *err)
+static bool push_sleepers(duet_motion *m, uint32_t from, uint32_t to, duet_error *err)
 {
+    const kernel *k = m->kernels.of[PUSH_SLEEPERS];
+    m->solver.from_round = from;
+    m->solver.to_round = to;
+    return k->groups == GROUPS_APART
+               ? motion_launch(m, PUSH_SLEEPERS, err)
+               : team_launch(m, PUSH_SLEEPERS, m->awake.n_bodies,
+                             k->group > 1 ? k->group : TEAM_LEAST_BODIES, to - from, err);
+}
+
+static bool push_all_rounds(duet_motion *m, duet_error *err)
+{
+    const uint32_t each =
+        m->kernels.of[PUSH_SLEEPERS]->groups == GROUPS_APART ? 1 : PRESSED_ROUNDS + 1;
     bool ok = true;
-    for (uint32_t round = 0; ok && round <= PRESSED_ROUNDS; ++round)
-        ok = domain_push_sleepers(m, round, err);
+    for (uint32_t from = 0; ok && from <= PRESSED_ROUNDS; from += each)
+        ok = push_sleepers(m, from, from + each, err);
     return ok;
 }
 
@@ -243,15 +256,14 @@ bool motion_solve(duet_motion *m, duet_error *err)
 
 bool motion_finalize(duet_motion *m, bool presses, duet_error *err)
 {
-    return motion_launch(m, FINALIZE_BODIES, err) && (!presses || push_sleepers(m, err));
+    return motion_launch(m, FINALIZE_BODIES, err) && (!presses || push_all_rounds(m, err));
 }
 
 // ---------------------------------------------------------------- stage by stage
 
 bool domain_push_sleepers(duet_motion *m, uint32_t round, duet_error *err)
 {
-    m->solver.round = round;
-    return motion_launch(m, round < PRESSED_ROUNDS ? PUSH_SLEEPERS : MOVE_SLEEPERS, err);
+    return push_sleepers(m, round, round + 1, err);
 }
 
 bool domain_prepare_contacts(duet_motion *m, duet_error *err)

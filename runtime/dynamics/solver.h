@@ -42,8 +42,9 @@ typedef struct contact_solver {
     cl_uint sorts;              // 1: contacts are listed by colour even if none changed its colour
     cl_uint block_capacity;     // blocks that BLOCKS has space for
     cl_uint from_colour, to_colour, each;
-    cl_uint from_pass, to_pass; // of solve_substeps
-    cl_int4 span;               // from_colour's
+    cl_uint from_pass, to_pass;   // of solve_substeps
+    cl_uint from_round, to_round; // of push_sleepers
+    cl_int4 span;                 // from_colour's
 } contact_solver;
 
 // Each in two calls: what is sent before the host has to know anything, and what it then goes on
