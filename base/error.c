@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/error.h"
 
+#include "base/plain_numbers.h"
 #include "base/visible.h"
 
 #include <stdarg.h>
@@ -65,7 +66,7 @@ static const char *cl_name(int cl_code)
 
 void public_call_begin(public_call *call, duet_error *err)
 {
-    *call = (public_call){.err = err};
+    *call = (public_call){.err = err, .numbers = plain_numbers_begin()};
     if (!err)
         return;
     call->outer = err->calls;
@@ -77,6 +78,7 @@ void public_call_begin(public_call *call, duet_error *err)
 
 void public_call_end(public_call *call)
 {
+    plain_numbers_end(call->numbers);
     if (!call->err)
         return;
     call->err->calls = call->outer;

@@ -11,7 +11,8 @@
 // The first statement of each public call that takes an error. Within it err begins without a
 // failure, so that the first one of this call is kept; if the call does not fail, err is afterwards
 // what it was before. If err is that of a public call under way, it stays that call's, which err
-// itself says: ranks that are simulated change places within a thread.
+// itself says: ranks that are simulated change places within a thread. Numbers have points within
+// it, whatever the application's language.
 #define PUBLIC_CALL(err)                                         \
     __attribute__((cleanup(public_call_end))) public_call call_; \
     public_call_begin(&call_, err)
@@ -20,6 +21,7 @@ typedef struct public_call {
     duet_error *err;    // may be NULL
     unsigned outer;     // calls that it was of already
     duet_status before; // its status when the call began
+    void *numbers;      // of plain_numbers_begin
 } public_call;
 
 void public_call_begin(public_call *call, duet_error *err);

@@ -17,6 +17,9 @@
 // after that. Memory that a call returns belongs to the owner that the call names, and ends with
 // it.
 //
+// The application's locale does not matter: calls read and write numbers with a decimal point. If
+// the locale has a comma, a call and its callbacks run in the locale "C".
+//
 // Units are the caller's (metres, say); floats are IEEE single; ids are the
 // objects' indices in the input, from 0. Sets are closed: touching collides.
 #ifndef DUET_H

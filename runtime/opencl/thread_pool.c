@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/plain_numbers.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -126,8 +127,11 @@ static void join(thread_pool *c, slot *s)
 {
     atomic_fetch_add(&s->inside, 1);
     loop *now = atomic_load(&s->now);
-    if (now)
+    if (now) {
+        void *numbers = plain_numbers_begin();
         run_pieces(now);
+        plain_numbers_end(numbers);
+    }
     atomic_fetch_sub(&s->inside, 1);
     wake(c, &c->caller);
 }

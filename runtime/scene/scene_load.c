@@ -9,7 +9,6 @@
 #include "runtime/scene/shipped.h"
 
 #include <fcntl.h>
-#include <locale.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -200,25 +199,17 @@ typedef struct scene_range {
 static duet_scene *load(const char *path, uint32_t per_row, scene_range *range,
                         const duet_setting *settings, uint32_t n_settings, duet_error *err)
 {
-    // Numbers have a decimal point whatever the application's language.
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    duet_scene *scene = plain ? scene_new(err) : NULL;
+    duet_scene *scene = scene_new(err);
     bool ok = scene;
     if (ok) {
         scene->per_row = per_row;
         scene->first = range->first;
         scene->end = range->end;
         scene->defers = range->defers;
-        locale_t before = uselocale(plain);
         ok = read_path(scene, path, settings, n_settings, err);
-        uselocale(before);
         range->n = scene->n_read;
         range->n_deferred = scene->n_deferred;
     }
-    if (plain)
-        freelocale(plain);
-    else
-        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
     if (ok)
         return scene;
     duet_scene_destroy(scene);
