@@ -7,6 +7,7 @@
 #include "profiles/store.h"
 
 #include "base/text_file.h"
+#include "base/variable.h"
 #include "profiles/key.h"
 #include "profiles/sql.h"
 
@@ -23,20 +24,14 @@
 
 // ----------------------------------------------------------------------- paths
 
-static const char *set(const char *name)
-{
-    const char *value = getenv(name);
-    return value && *value ? value : NULL;
-}
-
 bool store_user_path(text *path, duet_error *err)
 {
-    if (set("DUET_PROFILE"))
-        text_add(path, "%s", set("DUET_PROFILE"));
-    else if (set("XDG_DATA_HOME"))
-        text_add(path, "%s/duet/profiles.db", set("XDG_DATA_HOME"));
-    else if (set("HOME"))
-        text_add(path, "%s/.local/share/duet/profiles.db", set("HOME"));
+    if (variable_text("DUET_PROFILE"))
+        text_add(path, "%s", variable_text("DUET_PROFILE"));
+    else if (variable_text("XDG_DATA_HOME"))
+        text_add(path, "%s/duet/profiles.db", variable_text("XDG_DATA_HOME"));
+    else if (variable_text("HOME"))
+        text_add(path, "%s/.local/share/duet/profiles.db", variable_text("HOME"));
     else
         return error_set(err, DUET_STATUS_NOT_FOUND,
                          "no place for the profile store: set DUET_PROFILE to a file, or HOME");
@@ -45,7 +40,7 @@ bool store_user_path(text *path, duet_error *err)
 
 bool store_system_path(text *path)
 {
-    const char *at = set("XDG_DATA_DIRS");
+    const char *at = variable_text("XDG_DATA_DIRS");
     for (at = at ? at : "/usr/local/share:/usr/share"; *at; at += strspn(at, ":")) {
         int length = (int)strcspn(at, ":");
         text_free(path);

@@ -2,6 +2,7 @@
 #include "tuner/duet_tune.h"
 
 #include "base/error.h"
+#include "base/variable.h"
 #include "gen/gen.h"
 #include "runtime/broadphase/variant.h"
 #include "runtime/narrowphase/accuracy.h"
@@ -92,26 +93,14 @@ static bool check_search(const char *what, duet_error *err)
     return ok;
 }
 
-// As DUET_WAIT says, unless it is empty; below 0 for what is no time.
-static double default_wait(void)
-{
-    const char *seconds = getenv("DUET_WAIT");
-    char *end = NULL;
-    if (!seconds || !*seconds)
-        return WAIT_SECONDS;
-    double wait = strtod(seconds, &end);
-    return wait >= 0 && isfinite(wait) && !*end ? wait : -1;
-}
-
 static bool check_times(const duet_tune_def *def, duet_error *err)
 {
     if (isnan(def->wait_seconds) || isnan(def->budget_seconds))
         return error_set(err, DUET_STATUS_BAD_ARGUMENT,
                          "%s_seconds is nan; expected a number of seconds",
                          isnan(def->wait_seconds) ? "wait" : "budget");
-    return def->wait_seconds >= 0 || default_wait() >= 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "DUET_WAIT is '%s'; expected a number of seconds from 0", getenv("DUET_WAIT"));
+    double wait;
+    return def->wait_seconds >= 0 || variable_seconds("DUET_WAIT", WAIT_SECONDS, &wait, err);
 }
 
 static bool makes_energy_small(const duet_tune_def *def)
@@ -131,7 +120,8 @@ static duet_tune_def complete_def(const duet_tune_def *def)
 {
     duet_tune_def whole = *def;
     whole.repeats = def->repeats ? def->repeats : REPEATS;
-    whole.wait_seconds = def->wait_seconds < 0 ? default_wait() : def->wait_seconds;
+    if (def->wait_seconds < 0) // check_times has read it
+        variable_seconds("DUET_WAIT", WAIT_SECONDS, &whole.wait_seconds, NULL);
     whole.objective = def->objective ? def->objective : "time";
     const strategy *evens = makes_energy_small(def) ? strategy_find(def->strategy) : NULL;
     if (evens && evens->evened && evens->choice == STRATEGY_SHARE)

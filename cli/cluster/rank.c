@@ -5,6 +5,7 @@
 #include "base/compare.h"
 #include "base/error.h"
 #include "base/output.h"
+#include "base/variable.h"
 #include "cli/interrupt.h"
 #include "cli/report/json.h"
 #include "cli/report/rendering.h"
@@ -357,14 +358,6 @@ static void say_silence(const char *line)
     say_note("%s", line);
 }
 
-// After how many seconds of silence a rank is told of; 0: never.
-static double silence_s(void)
-{
-    const char *given = getenv("DUET_RANK_SILENCE");
-    double seconds = given ? strtod(given, NULL) : 10;
-    return isfinite(seconds) && seconds > 0 ? seconds : 0;
-}
-
 bool rank_run(const cluster_arguments *args, const char *scene, const simulation *s,
               const duet_stored_profile *profile, duet_error *err)
 {
@@ -372,8 +365,11 @@ bool rank_run(const cluster_arguments *args, const char *scene, const simulation
     MPI_Comm_rank(MPI_COMM_WORLD, &r.rank);
     MPI_Comm_size(MPI_COMM_WORLD, &r.n_ranks);
     rank_watch watch;
-    bool watches = !s && rank_watch_begin(&watch, silence_s(), say_silence, err);
-    bool ok = (s || watches) && run_all(&r, scene, err);
+    double silence_s; // after which a rank is told of; 0: never
+    bool ok = s || variable_seconds("DUET_RANK_SILENCE", 10, &silence_s, err);
+    bool watches = !s && rank_watch_begin(&watch, ok ? silence_s : 0, say_silence, err);
+    ok = s || (watches && ranks_agree(&watch.all, ok, err));
+    ok = ok && run_all(&r, scene, err);
     duet_cluster_destroy(r.cluster);
     if (watches)
         rank_watch_end(&watch);

@@ -3,6 +3,7 @@
 #include "runtime/opencl/device_pair.h"
 
 #include "base/error.h"
+#include "base/variable.h"
 #include "runtime/duet_opencl.h"
 #include "runtime/opencl/cache.h"
 #include "runtime/opencl/device_list.h"
@@ -18,19 +19,12 @@ typedef struct selector_pair {
     char b[80];
 } selector_pair;
 
-// An empty variable is as if it were not set.
-static const char *variable(const char *name)
-{
-    const char *value = getenv(name);
-    return value && *value ? value : NULL;
-}
-
 duet_device_pair_def duet_default_device_pair_def(void)
 {
-    const char *cache = variable("DUET_CACHE");
+    const char *cache = variable_text("DUET_CACHE");
     return (duet_device_pair_def){
-        .a = variable("DUET_PAIR"),
-        .kernel_dir = variable("DUET_KERNEL_DIR"),
+        .a = variable_text("DUET_PAIR"),
+        .kernel_dir = variable_text("DUET_KERNEL_DIR"),
         .cache_dir = cache && strcmp(cache, "off") == 0 ? "" : cache,
         .cookie = COOKIE,
     };
@@ -121,8 +115,8 @@ bool duet_device_pair_is_one(const duet_device_pair *pair)
 // $XDG_CACHE_HOME/duet; NULL where there is no home.
 static char *default_cache(void)
 {
-    const char *base = variable("XDG_CACHE_HOME");
-    const char *home = variable("HOME");
+    const char *base = variable_text("XDG_CACHE_HOME");
+    const char *home = variable_text("HOME");
     char path[4096];
     bool fits = false;
     if (base && *base == '/')

@@ -800,6 +800,15 @@ TEST(a_failure_is_one_line)
     program_assert_refused(program_run_with("printf '0,0,0,1,1,1\\n0,0,0,1,1,inf\\n' |",
                                             "cluster --ranks 3 --plain -"),
                            1, "stdin:2: object 1: ");
+    static const char *const silences[] = {"soon", "-1", "nan", "1e99", "2s"};
+    for (size_t i = 0; i < sizeof silences / sizeof *silences; ++i) {
+        char variable[40], says[80];
+        snprintf(variable, sizeof variable, "DUET_RANK_SILENCE=%s", silences[i]);
+        snprintf(says, sizeof says, "DUET_RANK_SILENCE is '%s'; expected a number of seconds",
+                 silences[i]);
+        program_assert_refused(program_run_with(variable, "cluster --ranks 2 --plain still"), 2,
+                               says);
+    }
     program_assert_refused(program_run_with("OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=0",
                                             "cluster --ranks 2 still"),
                            2, "this is rank 0 of 3 of an MPI job already");
