@@ -6,8 +6,14 @@ local function by_device(cpu, other)
   return function(limits) return limits.cpu and cpu or other end
 end
 
+-- The same of objects, pairs or contacts a work-item: fewer on a CPU of many units (limits.batch).
+local function by_batch(other)
+  return function(limits) return limits.cpu and limits.batch or other end
+end
+
 common = {
   by_device = by_device,
+  by_batch = by_batch,
   DIMS = { "DIMS", values = { 2, 3 }, default = 3, about = "dimensions" },
   SHAPE = { "SHAPE", values = { 0, 1 }, min = 0, max = 3, default = 0,
     about = "0 poses, 1 bounds, 2 rounded boxes, 3 spheres" },
@@ -67,8 +73,7 @@ common = {
   CONTACTS_AN_ITEM = { "PER_ITEM", values = { 1, 64, 256 },
     default = function(limits) return limits.cpu and limits.batch // 4 or 1 end, about = "contacts a work-item" },
   ROWS_AN_ITEM = { "PER_ITEM", values = { 1, 256, 1024 },
-    default = function(limits) return limits.cpu and limits.batch or 1 end,
-    about = "objects, pairs or contacts a work-item" },
+    default = by_batch(1), about = "objects, pairs or contacts a work-item" },
   GROUP = function(other)
     return { "WG", values = { 1, 64, 128 }, default = by_device(1, other), about = "work-items a group" }
   end,

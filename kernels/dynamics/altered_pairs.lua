@@ -4,7 +4,7 @@ return {
   uses = { "primitives/sortable.clh", "dynamics/altered.h" },
   params = {
     common.GROUP(64),
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
+    { "PER_ITEM", values = { 1, 256, 1024 }, default = common.by_batch(1),
       about = "bodies or contacts a work-item" },
   },
   args = {

@@ -4,7 +4,7 @@ return {
   uses = { "dynamics/motion.clh", "dynamics/records.h", "dynamics/rest.clh" },
   params = {
     common.DIMS, common.DOUBLE, common.TURN, common.CARRIED, common.GROUP(64),
-    { "PER_ITEM", values = { 8, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 8 end,
+    { "PER_ITEM", values = { 8, 256, 1024 }, default = common.by_batch(8),
       about = "bodies and contacts a work-item" },
   },
   args = {

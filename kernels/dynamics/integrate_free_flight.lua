@@ -11,7 +11,7 @@ return {
     common.ROUNDED,
     { "WG", values = { 1, 64, 128, 256 }, default = function(limits) return limits.cpu and 1 or 128 end,
       about = "work-items a group" },
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
+    { "PER_ITEM", values = { 1, 256, 1024 }, default = common.by_batch(1),
       about = "objects a work-item" },
   },
   args = {

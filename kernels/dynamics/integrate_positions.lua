@@ -8,7 +8,7 @@ return {
     { "LANES", values = { 1, 8 }, default = function(limits) return limits.cpu and 8 or 1 end,
       about = "objects side by side in a work-item" },
     common.BLOCK, common.GROUP(64),
-    { "PER_ITEM", values = { 1, 256, 1024 }, default = function(limits) return limits.cpu and limits.batch or 1 end,
+    { "PER_ITEM", values = { 1, 256, 1024 }, default = common.by_batch(1),
       about = "objects a work-item" },
   },
   args = {

@@ -308,7 +308,7 @@ static bool respond(duet_motion *m, duet_error *err)
     if (!ensure(m, PRODUCT_AWAKE, err))
         return false;
     cl_uint hopes = hopes_of(m, flags);
-    if (!alike)
+    if (!alike && !m->awake.all_awake)
         hopes &= ~HOPES_AWAKE; // lists that are new are waited for, since nothing has counted them
     const bool holds =
         alike && (hopes & HOPES_AWAKE) && (hopes & HOPES_UNPRESSED) && !flags[FLAG_RECOLOURED];
