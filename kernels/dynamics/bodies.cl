@@ -118,7 +118,7 @@ __kernel void integrate_velocities(INTEGRATE_VELOCITIES_ARGS)
 // speed takes back twice its time, and only haste takes all.
 static inline float rest_after(const state *s, uint id, float fastest, float inverse_mass)
 {
-    float slow = s->sleep_speed * s->sleep_speed, rest = inverse_mass > 0.0f ? s->rests[id] : 0.0f;
+    float slow = s->sleep_speed * s->sleep_speed, rest = inverse_mass > 0.0f ? fmax(0.0f, s->rests[id]) : 0.0f;
     float rested = fastest < slow ? rest + s->dt : fastest < HASTE * slow ? rest - 2.0f * s->dt : 0.0f;
     return inverse_mass > 0.0f ? fmax(0.0f, fmin(rested, fmax(s->sleep_after, s->dt))) : 0.0f;
 }

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "runtime/dynamics/motion_commands.h"
+#include "runtime/dynamics/motion_state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,12 +97,10 @@ static bool has_box(const duet_motion *m, const motion_saved *s, uint32_t id)
     return true;
 }
 
-// Below 0: a command changed something without mass.
-static bool has_rest(const duet_motion *m, const motion_saved *s, uint32_t id)
+static bool has_rest(const motion_saved *s, uint32_t id)
 {
     const float *rests = floats_of(s, RESTS);
-    return !rests ||
-           (isfinite(rests[id]) && (rests[id] >= 0.0f || (rests[id] == -1.0f && !moves(m, id))));
+    return !rests || (isfinite(rests[id]) && (rests[id] >= 0.0f || rests[id] == RESTS_CHANGED));
 }
 
 static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t id, duet_error *err)
@@ -116,7 +115,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
         return bad_object(s, id, "it is at no place of its origin cell", err);
     if (!has_box(m, s, id))
         return bad_object(s, id, "its bounds are not finite or not rising", err);
-    if (!has_rest(m, s, id))
+    if (!has_rest(s, id))
         return bad_object(s, id, "its time at rest is not finite or below 0", err);
     if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > (SLEEPS | WOKE | PRESSED))
         return bad_object(s, id, "whether it sleeps is said by no such word", err);

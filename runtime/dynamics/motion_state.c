@@ -244,11 +244,10 @@ static bool mark_rests(duet_motion *m, const uint32_t *places, uint32_t n, bool 
     if (!motion_rows_at(m, RESTS, places, n, &rows, err))
         return false;
     for (uint32_t i = 0; i < n; ++i) {
-        bool hidden = motion_is_hidden(m, places[i]);
-        if (hidden || m->bodies[places[i]].mass > 0.0f)
-            motion_row_set(&rows, places[i], 0, sleeps && !hidden ? rested : 0.0);
-        else if (!sleeps)
-            motion_row_set(&rows, places[i], 0, -1.0);
+        if (!sleeps)
+            motion_row_set(&rows, places[i], 0, RESTS_CHANGED);
+        else if (m->bodies[places[i]].mass > 0.0f)
+            motion_row_set(&rows, places[i], 0, rested);
     }
     return motion_rows_close(m, &rows, err);
 }
@@ -286,9 +285,12 @@ bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet
 
 bool motion_wake_all(duet_motion *m, duet_error *err)
 {
+    const cl_float rest = RESTS_CHANGED;
+    cl_uint changed;
+    memcpy(&changed, &rest, sizeof changed);
     products_move_bodies(&m->products);
     product_forget(&m->products, PRODUCT_AWAKE);
     return !(m->effects & DUET_EFFECT_SLEEP) ||
-           (motion_clear(m, "clear", RESTS, 0, m->n, err) &&
+           (timeline_fill(&m->times, "clear", &m->buffers[RESTS], changed, 0, m->n, err) &&
             motion_clear(m, "clear", ASLEEP, 0, m->n, err) && timeline_finish(&m->times, err));
 }

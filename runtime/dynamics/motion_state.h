@@ -34,6 +34,9 @@ bool motion_send_places(duet_motion *m, const uint32_t *places, uint32_t n, uint
 void motion_fill_given(duet_motion *m, motion_buffer which, const uint32_t *places, uint32_t n,
                        void *packed);
 
+// The time at rest of what a command changed since the last step.
+#define RESTS_CHANGED (-1.0f)
+
 // Bodies that were changed are awake, and those that they touch will be.
 bool motion_wake_places(duet_motion *m, const uint32_t *places, uint32_t n, duet_error *err);
 // The same, or asleep, of bodies that are where they were, or altered: the others' bounds hold as

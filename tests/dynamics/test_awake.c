@@ -199,4 +199,37 @@ TEST(what_falls_asleep_deep_in_others_is_pushed_out_in_the_step_that_finds_it)
     assert_true(whole->states[40].centre[2] > 1.35);
 }
 
+// Cubes that sleep, beside one that slides on a slab.
+static mover *make_slide(uint32_t *slab, uint32_t *cube)
+{
+    mover *m = make_sleepy("auto");
+    mover_add_floor(m, 60);
+    for (int i = 0; i < 40; ++i)
+        mover_add_rough_cube(m, 3 * (i % 10), 3 * (i / 10), 0.5);
+    *slab = mover_add_fixed(m, 0, -20, 5, 4, 4, 0.5);
+    m->bodies[*slab].friction = 0.5f;
+    *cube = mover_add_rough_cube(m, 0, -20, 6);
+    mover_run(m, 120);
+    return m;
+}
+
+// The slab stands still once it is there, and brakes the cube, though all is woken in between.
+TEST(what_a_target_moved_stands_still_for_those_that_a_new_def_wakes)
+{
+    uint32_t slab, cube;
+    mover *m = make_slide(&slab, &cube);
+    for (int i = 1; i <= 5; ++i) {
+        const duet_transform target = {.centre = {0.02f * (float)i, -20, 5},
+                                       .rotation = {0, 0, 0, 1}};
+        must(duet_motion_set_targets(m->motion, one(slab), &target, ERR));
+        mover_run(m, 1);
+    }
+    const double before = m->states[cube].velocity[0], braked = 0.5 * 9.81 / 60;
+    assert_close(before, 5 * braked, 0.5 * braked);
+    const duet_motion_def def = *duet_motion_get_def(m->motion);
+    must(duet_motion_set_def(m->motion, &def, ERR));
+    mover_run(m, 1);
+    assert_close(m->states[cube].velocity[0], before - braked, 0.1 * braked);
+}
+
 TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -367,6 +367,31 @@ TEST(a_mesh_goes_to_its_carriers_targets)
     assert_close(m->states[id].centre[0], 1 + 0.3 * (1 - cos(2.0)), 0.01);
 }
 
+// It brakes what slid on it, also if most bodies sleep elsewhere.
+TEST(a_mesh_whose_carrier_is_disabled_stands_still)
+{
+    shape *c = floor_of(5, 3);
+    mover *m = carrying(c);
+    m->def.wants |= DUET_EFFECT_SLEEP;
+    uint32_t id = mover_add(m, 1, 0, 0.1, 0.1, 0.1, 0.1);
+    m->bodies[id].friction = 0.5f;
+    mover_add_fixed(m, 30, 0, -1, 10, 10, 1);
+    for (int i = 0; i < 20; ++i)
+        mover_add(m, 22 + i, 0, 0.1, 0.1, 0.1, 0.1);
+    mover_run(m, 120);
+    for (int i = 1; i <= 5; ++i) {
+        aim(m, 0.02 * i);
+        mover_run(m, 1);
+    }
+    const double before = m->states[id].velocity[0], braked = 0.5 * weight / 60;
+    assert_close(before, 5 * braked, 0.5 * braked);
+    must(duet_motion_disable_bodies(m->motion, the_carrier, ERR));
+    for (int i = 1; i <= 4; ++i) {
+        mover_run(m, 1);
+        assert_close(m->states[id].velocity[0], before - i * braked, 0.2 * braked);
+    }
+}
+
 // The floor comes up at 2 m/s under a body that floats.
 TEST(a_hit_has_the_speed_of_the_mesh)
 {
