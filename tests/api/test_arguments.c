@@ -13,7 +13,6 @@
 #include "base/text.h"
 #include "lua/duet_lua.h"
 #include "profiles/duet_profiles.h"
-#include "runtime/opencl/device.h"
 
 #include <ctype.h>
 
@@ -1112,7 +1111,7 @@ static duet_world *make_world(duet_world_def def)
 {
     def.pair = pair;
     def.plan = duet_default_plan(pair);
-    return must(duet_world_create(&def, ERR));
+    return kept(duet_world_create(&def, ERR));
 }
 
 static void make_worlds(void)
@@ -1134,58 +1133,46 @@ static void make_worlds(void)
     __extension__({                                           \
         duet_##kind##_def def_ = duet_default_##kind##_def(); \
         def_.needed = needed;                                 \
-        must(duet_##kind##_create(&def_, ERR));               \
+        kept(duet_##kind##_create(&def_, ERR));               \
     })
 
-static int open_all(void **state)
+static void close_online(void *of)
 {
-    (void)state;
+    duet_online_destroy(of, NULL);
+}
+
+static void free_refused(void *names)
+{
+    text_free(names);
+}
+
+static void open_all(void)
+{
     const duet_pose two[2] = {pose, pose};
-    pair = must(duet_device_pair_open(NULL, ERR));
+    pair = kept(duet_device_pair_open(NULL, ERR));
     make_worlds();
-    scene = must(duet_scene_create(DUET_OBJECT_POSES, two, 2, 3, 0, ERR));
+    scene = kept(duet_scene_create(DUET_OBJECT_POSES, two, 2, 3, 0, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, two, 2, ERR));
     must(duet_world_step(world, &result, ERR));
     duet_motion_def moving = duet_scene_motion_def(scene, pair);
-    motion = must(duet_motion_create_from_scene(&moving, scene, NULL, ERR));
+    motion = kept(duet_motion_create_from_scene(&moving, scene, NULL, ERR));
     test = MAKE(pair_query, pair);
     duet_tree_def planting = duet_default_tree_def();
     planting.pair = pair;
     planting.share = 0;
-    tree = must(duet_tree_create(&planting, ERR));
+    tree = kept(duet_tree_create(&planting, ERR));
     duet_contact_query_def finding = duet_default_contact_query_def();
     finding.pair = pair;
     finding.share = 0;
-    touching = must(duet_contact_query_create(&finding, ERR));
+    touching = kept(duet_contact_query_create(&finding, ERR));
     rays = MAKE(ray_query, tree);
     boxes = MAKE(box_query, tree);
     points = MAKE(point_query, tree);
     sweeps = MAKE(sweep_query, tree);
-    online = MAKE(online, world);
-    return 0;
+    duet_online_def keeping = duet_default_online_def();
+    keeping.world = world;
+    online = test_keep(must(duet_online_create(&keeping, ERR)), close_online);
+    test_keep(&refused, free_refused);
 }
 
-static int close_all(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(pair);
-    duet_online_destroy(online, NULL);
-    duet_pair_query_destroy(test);
-    duet_ray_query_destroy(rays);
-    duet_contact_query_destroy(touching);
-    duet_box_query_destroy(boxes);
-    duet_point_query_destroy(points);
-    duet_sweep_query_destroy(sweeps);
-    duet_tree_destroy(tree);
-    duet_motion_destroy(motion);
-    duet_world_destroy(bounds_world);
-    duet_world_destroy(placed_world);
-    duet_world_destroy(apart_world);
-    duet_world_destroy(world);
-    duet_scene_destroy(scene);
-    text_free(&refused);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
-TEST_MAIN(open_all, close_all)
+TEST_BEGIN(open_all)

@@ -27,7 +27,7 @@ static void step_default(int wide, duet_mode mode)
 {
     duet_world_def def = devices_def(3);
     duet_world *world = create_world(&def);
-    duet_plan usual = duet_default_plan(devices);
+    duet_plan usual = duet_default_plan(default_pair());
     const duet_plan *plan = duet_world_get_plan(world);
     assert_int_equal(plan->share, usual.share);
     assert_string_equal(plan->variant_a, usual.variant_a);
@@ -50,7 +50,7 @@ TEST(a_default_world_uses_both_devices)
 // The plan's settings hold, and what it leaves open is the default's.
 TEST(a_plan_may_leave_things_to_the_world)
 {
-    duet_device_pair *pair = devices;
+    duet_device_pair *pair = default_pair();
     duet_world_def def = duet_default_world_def();
     def.pair = pair;
     def.plan.mode = DUET_MODE_SLAB;
@@ -86,5 +86,3 @@ TEST(no_two_defs_have_the_same_cookie)
             assert_int_not_equal(cookies[i], cookies[j]);
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -108,9 +108,8 @@ static void use(owners *o)
     }
 }
 
-static int make_poses(void **state)
+static void make_poses(void)
 {
-    (void)state;
     duet_error err = {0};
     rng r = rng_seed(test_seed());
     for (int i = 0; i < 2 * N; ++i) {
@@ -128,7 +127,6 @@ static int make_poses(void **state)
     duet_scene_destroy(scene);
     for (int i = 0; i < N; ++i)
         right_colliding += duet_poses_collide(&poses[2 * i], &poses[2 * i + 1], 3);
-    return 0;
 }
 
 static void close_in(const owner order[OWNERS], bool with_use)
@@ -174,4 +172,4 @@ TEST(what_is_open_goes_on_in_any_order_of_closing)
     assert_int_equal(n_orders, 720);
 }
 
-TEST_MAIN(make_poses, NULL)
+TEST_BEGIN(make_poses)

@@ -191,5 +191,3 @@ TEST(nobody_watching_sees_nothing)
     assert_int_equal(core_watch_others(NULL).of, 0);
     core_watch_close(NULL);
 }
-
-TEST_MAIN(NULL, NULL)

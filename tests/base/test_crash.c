@@ -122,4 +122,3 @@ TEST(a_test_may_ignore_signals)
 }
 
 TEST_EACH(test_enter_folder, NULL)
-TEST_MAIN(NULL, NULL)

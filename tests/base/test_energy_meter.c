@@ -106,5 +106,3 @@ TEST(what_cannot_be_read_is_said_in_one_line)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         must_fail(energy_meter_open(&cases[i].def, ERR), DUET_STATUS_NOT_FOUND, cases[i].says);
 }
-
-TEST_MAIN(NULL, NULL)

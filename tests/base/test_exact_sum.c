@@ -157,5 +157,3 @@ TEST(many_of_one_sign_are_summed)
         exact_sum_add(&s, -0x1.fffffffffffffp0);
     assert_true(exact_sum_round(&s) == -0x1.fffffffffffffp0 * 1e6);
 }
-
-TEST_MAIN(NULL, NULL)

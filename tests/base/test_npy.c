@@ -248,5 +248,3 @@ TEST(changed_bytes_are_read_or_refused)
         assert_true(scene || (err.text[0] && !strchr(err.text, '\n')));
     }
 }
-
-TEST_MAIN(NULL, NULL)

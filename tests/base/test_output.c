@@ -344,4 +344,3 @@ TEST(the_program_says_that_a_file_became_too_large)
 }
 
 TEST_EACH(test_enter_folder, NULL)
-TEST_MAIN(NULL, NULL)

@@ -243,5 +243,3 @@ TEST(a_scenes_name_is_shown_harmlessly)
         assert_null(strchr(duet_scene_get_info(scene)->name, '\n'));
     }
 }
-
-TEST_MAIN(NULL, NULL)

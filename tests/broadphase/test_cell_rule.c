@@ -311,5 +311,3 @@ TEST(thousands_of_boxes_an_ulp_wide_are_found_by_the_default_plan)
                 step(world, way, "20 000 boxes", hash, n_pairs);
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

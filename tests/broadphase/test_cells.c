@@ -132,5 +132,3 @@ TEST(a_word_for_cells_that_there_is_not_is_refused)
     must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, "variant: cells=both is not possible; expected free or fixed");
 }
-
-TEST_MAIN(open_devices, close_devices)

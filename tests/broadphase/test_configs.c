@@ -23,20 +23,11 @@ enum {
     LARGE_SAMPLE = 64
 };
 
-static bool take_all;
-static const char *only;
 static gen *generator;
 
-static int begin(void **state)
+static void begin(void)
 {
-    generator = must(gen_open(NULL, ERR));
-    return open_devices(state);
-}
-
-static int end(void **state)
-{
-    gen_close(generator);
-    return close_devices(state);
+    generator = kept(gen_open(NULL, ERR));
 }
 
 // ------------------------------------------------------------ configs
@@ -251,7 +242,7 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
     def.compact_transforms = s->compact;
     def.plan = *plan;
     for (int side = 0; side < 2; ++side)
-        devices->devices[side].info.host_memory = !s->packed;
+        default_pair()->devices[side].info.host_memory = !s->packed;
     duet_world *world = duet_world_create(&def, &err);
     if (!world)
         fail_msg("%s: %s", plan->variant_b, err.text);
@@ -280,12 +271,12 @@ static void try_config(const config *c, rng *r)
     make_scene(&s, c, r);
     own(gen_variant) v;
     duet_error err = {0};
-    gen_limits limits = program_limits(&devices->devices[1].info);
+    gen_limits limits = program_limits(&default_pair()->devices[1].info);
     must(gen_make(generator, c->kernel, c->settings, c->n, &limits, &v, ERR));
     duet_plan plan = {.mode = DUET_MODE_OWN};
     if (s.packed)
         plan = (duet_plan){.mode = DUET_MODE_SLAB, .share = DUET_SHARE_ONE / 2};
-    else if (take_all && rng_below(r, 2))
+    else if (test_takes_all() && rng_below(r, 2))
         plan.share = DUET_SHARE_ONE / 3;
     write_variant(plan.variant_b, sizeof plan.variant_b, c, &s, choose_search(c, r));
     strcpy(plan.variant_a, plan.variant_b);
@@ -316,10 +307,10 @@ static bool get_config(config *c, const gen_limits *limits, uint64_t index)
 static uint32_t try_subject(const subject *of, rng *r)
 {
     config c = {.kernel = of->kernel, .searches = of->searches};
-    gen_limits limits = program_limits(&devices->devices[1].info);
+    gen_limits limits = program_limits(&default_pair()->devices[1].info);
     uint64_t count = 0;
     must(gen_count(generator, c.kernel, &limits, &count, ERR));
-    uint64_t most = !take_all ? SAMPLE : count <= WHOLE_SPACE ? count : LARGE_SAMPLE;
+    uint64_t most = !test_takes_all() ? SAMPLE : count <= WHOLE_SPACE ? count : LARGE_SAMPLE;
     uint32_t tried = 0;
     for (uint64_t i = 0; i < most; ++i) {
         uint64_t from = count * i / most, to = count * (i + 1) / most;
@@ -337,6 +328,7 @@ static uint32_t try_subject(const subject *of, rng *r)
 TEST(any_config_finds_the_pairs_and_writes_nothing_else)
 {
     rng r = rng_seed(test_seed());
+    const char *only = test_argument(2);
     for (uint32_t k = 0; k < SUBJECTS; ++k) {
         if (only && strcmp(only, subjects[k].kernel) != 0)
             continue;
@@ -346,9 +338,4 @@ TEST(any_config_finds_the_pairs_and_writes_nothing_else)
     }
 }
 
-int main(int argc, char **argv)
-{
-    take_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-    only = argc > 2 ? argv[2] : NULL;
-    return test_run(begin, end);
-}
+TEST_BEGIN(begin)

@@ -315,7 +315,7 @@ static void set_memory(bool host)
 {
     static bool is_known, of_host[2];
     for (int side = 0; side < 2; ++side) {
-        bool *told = &devices->devices[side].info.host_memory;
+        bool *told = &default_pair()->devices[side].info.host_memory;
         of_host[side] = is_known ? of_host[side] : *told;
         *told = host && of_host[side];
     }
@@ -416,8 +416,8 @@ static bool has_own_cells(duet_world *world)
 TEST(objects_in_order_are_in_their_work_item_s_own_cells)
 {
     enum { N = 5003 };
-    const uint32_t units = devices->devices[1].info.units;
-    devices->devices[1].info.units = 0; // few objects are enough
+    const uint32_t units = default_pair()->devices[1].info.units;
+    default_pair()->devices[1].info.units = 0; // few objects are enough
     rng r = {test_seed()};
     duet_world *world = ordered_world(&r, N);
     assert_finds_all_in_any_order(world, &r, N);
@@ -427,7 +427,7 @@ TEST(objects_in_order_are_in_their_work_item_s_own_cells)
     world = create_world(&def);
     put_in_order(world, N);
     if (!has_own_cells(world)) {
-        devices->devices[1].info.units = units;
+        default_pair()->devices[1].info.units = units;
         print_message("this device's work-items have no cells of their own\n");
         skip();
     }
@@ -437,7 +437,7 @@ TEST(objects_in_order_are_in_their_work_item_s_own_cells)
     assert_in_range(count_others(world, N), 1, N / 50);
     reverse(N);
     assert_in_range(count_others(world, N), N / 2, N);
-    devices->devices[1].info.units = units;
+    default_pair()->devices[1].info.units = units;
 }
 
 // Each cell and those around it hold hundreds, many more than a lane lists at once.
@@ -796,5 +796,3 @@ TEST(a_workload_tells_how_many_objects_stray)
              (uint32_t)rng_between(&r, 0, CAPACITY - 0.5));
     assert_is_called(world, "ordered strays");
 }
-
-TEST_MAIN(open_devices, close_devices)

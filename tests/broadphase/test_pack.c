@@ -54,8 +54,8 @@ static duet_world_def world_def(uint32_t dims, const char *text)
 
 static void set_memory(bool host_a, bool host_b)
 {
-    devices->devices[0].info.host_memory = host_a;
-    devices->devices[1].info.host_memory = host_b;
+    default_pair()->devices[0].info.host_memory = host_a;
+    default_pair()->devices[1].info.host_memory = host_b;
 }
 
 // A world that is sent packed objects, which lie there, by devices with memory of their own.
@@ -264,7 +264,7 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
     for (int side = 0; side < 2; ++side) {
         duet_world_def def = world_def(3, "auto");
         duet_world *world = make_world(&def);
-        uint64_t *most = &devices->devices[side].info.max_buffer_bytes;
+        uint64_t *most = &default_pair()->devices[side].info.max_buffer_bytes;
         uint64_t before = *most;
         must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, N, ERR));
         *most = 8192;
@@ -273,5 +273,3 @@ TEST(a_device_without_room_fails_the_step_and_not_the_next)
         assert_step_finds(world, poses_pairs(N, 3));
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -42,5 +42,3 @@ TEST(a_device_s_counters_have_64_bits)
     assert_true(found.pairs == 3 * ((uint64_t)1 << 32) + 5);
     assert_true(found.candidates == 0);
 }
-
-TEST_MAIN(NULL, NULL)

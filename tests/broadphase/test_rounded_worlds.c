@@ -217,13 +217,13 @@ TEST(what_knows_no_radii_says_so)
     other = def_of(&scenes[0], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "paper");
     refuse(other, "the paper's search knows no rounded boxes");
     duet_tree_def tree = duet_default_tree_def();
-    tree.pair = devices;
+    tree.pair = default_pair();
     duet_world *world = create_world(&def);
     must_fail(duet_world_set_objects(world, DUET_OBJECT_POSES, boxes, 1, ERR),
               DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, "the world was made for spheres, not for poses");
     duet_scene *made = kept(duet_scene_create(DUET_OBJECT_SPHERES, spheres, 3, 3, 0, ERR));
-    duet_motion_def motion = duet_scene_motion_def(made, devices);
+    duet_motion_def motion = duet_scene_motion_def(made, default_pair());
     motion.wants = DUET_EFFECT_CONTACT;
     duet_motion *m = kept(duet_motion_create_from_scene(&motion, made, NULL, ERR));
     tree.shape = DUET_SHAPE_POSES;
@@ -232,5 +232,3 @@ TEST(what_knows_no_radii_says_so)
     assert_string_equal(ERR->text, "the motion's bodies have radii; the tree is of poses, expected "
                                    "one of rounded boxes");
 }
-
-TEST_MAIN(open_devices, close_devices)

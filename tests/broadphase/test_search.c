@@ -83,7 +83,7 @@ static const double widths[] = {0.1, 1.2, 2.0, 3.0, 20.0};
 static void try_crowds(const char *search, crowd *c, rng *r)
 {
     static const uint32_t counts[] = {0, 1, 2, 7, 8, 9, 100, 300, 1501};
-    duet_world *world = open_world(devices, c);
+    duet_world *world = open_world(default_pair(), c);
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
         for (size_t w = 0; w < sizeof widths / sizeof widths[0]; ++w) {
             if (counts[i] > 300 && widths[w] < 3.0)
@@ -128,7 +128,7 @@ static void fill_around_zero(crowd *c, int width)
 TEST(boxes_touch_where_one_ends_at_minus_zero)
 {
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_BOUNDS};
-    duet_world *world = open_world(devices, &c);
+    duet_world *world = open_world(default_pair(), &c);
     for (int width = 2; width <= 8;
          width += 6) { // narrow grids, and those that eight are sought in
         fill_around_zero(&c, width);
@@ -188,14 +188,10 @@ TEST(parts_agree_where_a_cell_is_cut)
     static const char *const searches[] = {"gpu", "simd", "paper"};
     rng r = rng_seed(test_seed());
     static crowd c = {.dims = 3, .shape = DUET_SHAPE_POSES, .rotated = true, .n = MOST};
-    duet_device_pair *pair = open_pair("pocl:0", "pocl:0");
-    duet_world *world = open_world(pair, &c);
+    duet_world *world = open_world(kept(duet_device_pair_open("pocl:0,pocl:0", ERR)), &c);
     fill(&c, &r, 4.0);
     set_objects(world, &c);
     for (int round = 0; round < 9; ++round)
         assert_finds(world, &c, searches[round % 3], searches[round / 3 % 3],
                      rng_below(&r, DUET_SHARE_ONE), round % 2 ? DUET_MODE_SLAB : DUET_MODE_OWN);
-    duet_device_pair_destroy(pair);
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -11,11 +11,10 @@ enum { CAPACITY = 5003 };
 
 static duet_pose poses[CAPACITY];
 
-static int begin(void **state)
+static void begin(void)
 {
-    open_devices(state);
-    devices->devices[0].info.host_memory = devices->devices[1].info.host_memory = false;
-    return 0;
+    for (int side = 0; side < 2; ++side)
+        default_pair()->devices[side].info.host_memory = false;
 }
 
 // Unit cubes in a world of that edge.
@@ -305,4 +304,4 @@ TEST(stages_have_times_where_they_are_asked_for)
     assert_true(fresh > 5); // out of eight; two sums of times may be equal by chance
 }
 
-TEST_MAIN(begin, close_devices)
+TEST_BEGIN(begin)

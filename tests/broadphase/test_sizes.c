@@ -12,12 +12,10 @@ static bool have_host_memory[2];
 static duet_pose poses[CAPACITY];
 static bool compact; // worlds have compact transforms
 
-static int begin(void **state)
+static void begin(void)
 {
-    open_devices(state);
     for (int side = 0; side < 2; ++side)
-        have_host_memory[side] = devices->devices[side].info.host_memory;
-    return 0;
+        have_host_memory[side] = default_pair()->devices[side].info.host_memory;
 }
 
 // Devices that work on host memory borrow what others are sent; they can be told
@@ -25,7 +23,7 @@ static int begin(void **state)
 static void tell_of_memory(bool host)
 {
     for (int side = 0; side < 2; ++side)
-        devices->devices[side].info.host_memory = host && have_host_memory[side];
+        default_pair()->devices[side].info.host_memory = host && have_host_memory[side];
 }
 
 static void fill(rng *r, uint32_t n, uint32_t dims)
@@ -319,7 +317,8 @@ TEST(sizes_without_memory_are_none)
     duet_world *world = make_world_of_ten();
     budget none = {.deadline_ns = UINT64_MAX, .host_bytes = 1};
     for (int side = 0; side < 2; ++side)
-        devices->devices[side].info.host_memory = true; // plain memory, which a budget counts
+        default_pair()->devices[side].info.host_memory =
+            true; // plain memory, which a budget counts
     budget_enter(&none);
     void *sizes = duet_world_map_objects(world, DUET_OBJECT_SIZES, CAPACITY, &err);
     budget_leave(&none);
@@ -333,7 +332,7 @@ TEST(sizes_that_were_not_fetched_are_none)
 {
     cl_int code = CL_SUCCESS;
     duet_world *world = make_world_of_ten();
-    cl_context context = devices->devices[1].context;
+    cl_context context = default_pair()->devices[1].context;
     cl_mem mem = clCreateBuffer(context, CL_MEM_READ_WRITE, 10 * sizeof(duet_size), NULL, &code);
     assert_int_equal(code, CL_SUCCESS);
     cl_event failed = clCreateUserEvent(context, &code);
@@ -374,4 +373,4 @@ TEST(only_what_has_sizes_has_them_apart)
     assert_string_equal(ERR->text, "the world was made for poses, not for sizes");
 }
 
-TEST_MAIN(begin, close_devices)
+TEST_BEGIN(begin)

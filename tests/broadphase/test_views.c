@@ -80,7 +80,7 @@ static void put_in_buffer(duet_world *world, rng *r, int s)
 {
     cl_int code = CL_SUCCESS;
     const size_t bytes = sets[s].n * world_kind_bytes(world->objects.kind);
-    cl_mem mem = clCreateBuffer(devices->devices[rng_below(r, 2)].context,
+    cl_mem mem = clCreateBuffer(default_pair()->devices[rng_below(r, 2)].context,
                                 CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, bytes,
                                 (void *)(uintptr_t)rows_of(world, s), &code);
     assert_int_equal(code, CL_SUCCESS);
@@ -165,7 +165,7 @@ static bool sends(const duet_result *result)
 static void try_in_any_order(rng *r, duet_shape shape, bool ordered)
 {
     duet_world *world = make_world(shape, ordered);
-    const bool copies = !devices->devices[0].info.host_memory;
+    const bool copies = !default_pair()->devices[0].info.host_memory;
     uint32_t p = 0;
     int s = 0;
     set_copy(world, r, s);
@@ -193,12 +193,10 @@ TEST(any_way_and_order_gives_the_reference_pairs)
         fill_set(&r, s, numbers[s]);
     for (int memory = 0; memory < 4; ++memory) {
         for (int side = 0; side < 2; ++side)
-            devices->devices[side].info.host_memory = memory >> side & 1;
+            default_pair()->devices[side].info.host_memory = memory >> side & 1;
         try_in_any_order(&r, DUET_SHAPE_POSES, memory % 2);
         try_in_any_order(&r, DUET_SHAPE_POSES, memory < 2);
         try_in_any_order(&r, DUET_SHAPE_BOUNDS, memory >= 2);
     }
     assert_true(n_prefetched > 10 && n_listed > 10 && n_in_ranges > 10);
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -35,13 +35,11 @@ static const char stack_text[] =
     "add { centre = { 0, 0, -0.5 }, half_extents = { 5, 5, 0.5 }, mass = 0 }\n"
     "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'contact_response' } }\n";
 
-static int make_scene(void **state)
+static void make_scene(void)
 {
-    (void)state;
     test_write_file(SCENE, scene_text);
     test_write_file(ORBIT, orbit_text);
     test_write_file(STACK, stack_text);
-    return 0;
 }
 
 static void assert_row_is_what_its_level_promises(const cJSON *row, double truth)
@@ -205,4 +203,4 @@ TEST(still_asks_for_levels_of_what_moves)
     assert_non_null(json_field(o, "levels"));
 }
 
-TEST_MAIN(make_scene, NULL)
+TEST_BEGIN(make_scene)

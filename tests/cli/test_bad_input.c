@@ -238,5 +238,3 @@ TEST(a_missing_folder_of_kernels_is_named)
         program_run_with("DUET_KERNEL_DIR=no/such/folder", "run test_bad_input.csv"), 1,
         "no/such/folder: No such file or directory");
 }
-
-TEST_MAIN(NULL, NULL)

@@ -15,11 +15,9 @@ static cJSON *read_json(const char *path)
     return json_of(test_read_file(path).chars);
 }
 
-static int measure(void **state)
+static void measure(void)
 {
-    (void)state;
     program_done(program_run(BENCH "--repeat 7 -o " OUT));
-    return 0;
 }
 
 // The results with all times multiplied, as if of an earlier Duet, while other
@@ -166,4 +164,4 @@ TEST(what_is_no_result_is_refused_in_one_line)
     program_assert_refused(program_run(BENCH "--against no/such.json"), 1, "no/such.json");
 }
 
-TEST_MAIN(measure, NULL)
+TEST_BEGIN(measure)

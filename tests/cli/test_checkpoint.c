@@ -96,5 +96,3 @@ TEST(a_checkpoint_that_is_cut_short_is_refused)
         program_assert_refused(program_run(RUN " --resume cut.motion"), 1, "cut short or damaged");
     }
 }
-
-TEST_MAIN(NULL, NULL)

@@ -164,5 +164,3 @@ TEST(what_a_scene_has_no_use_for_is_refused)
     program_assert_refused(program_run("explain %s -n 50 --mode nowhere", scene("falling.lua")), 2,
                            "--mode 'nowhere'");
 }
-
-TEST_MAIN(NULL, NULL)

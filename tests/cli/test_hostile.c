@@ -7,9 +7,9 @@
 #include "base/budget.h"
 #include "base/clock.h"
 #include "base/text_file.h"
+#include "cli/tune_config.h"
 #include "gen/card.h"
 #include "lua/session.h"
-#include "cli/tune_config.h"
 
 #define FILE_NAME "test_hostile.lua"
 
@@ -310,5 +310,3 @@ TEST(the_parser_ends_at_the_limit)
     text_free(&deep_text);
     text_free(&choices);
 }
-
-TEST_MAIN(NULL, NULL)

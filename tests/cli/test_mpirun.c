@@ -145,5 +145,3 @@ TEST(ranks_share_the_machine_with_any_open_mpi)
         assert_string_equal(p.out, given[i][1]);
     }
 }
-
-TEST_MAIN(NULL, NULL)

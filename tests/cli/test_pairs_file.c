@@ -177,5 +177,3 @@ TEST(wrong_usage_is_told)
     };
     program_assert_refusals("", "", wrong);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -141,5 +141,3 @@ TEST(what_cannot_be_drawn_is_one_line)
     program_assert_refused(program_run("picture %s -o no/such/folder.svg", SCENE), 1,
                            "no/such/folder.svg");
 }
-
-TEST_MAIN(NULL, NULL)

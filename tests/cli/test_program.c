@@ -401,5 +401,3 @@ TEST(a_reader_that_went_away_ends_the_program)
     close(ends[1]);
     program_assert_refused(program_run("--help >&-"), 1, "stdout: ");
 }
-
-TEST_MAIN(NULL, NULL)

@@ -13,14 +13,10 @@
 
 static test_folder folder;
 
-static int make_store(void **state)
+static void make_store(void)
 {
-    (void)state;
-    duet_error err = {0};
     folder = test_folder_make();
-    store *s = store_open(folder.store, STORE_WRITE, &err);
-    if (!s)
-        fail_msg("%s", err.text);
+    store *s = test_store_open(folder.store, STORE_WRITE);
     profile_pair pair = test_pair();
     profile_workload workload = test_workload(100000);
     workload.name = "<b>boxes</b> & more";
@@ -49,7 +45,6 @@ static int make_store(void **state)
     test_write_file(RESULTS, results);
     test_write_file(LEVELS, levels);
     test_write_file(EFFECTS, effects);
-    return 0;
 }
 
 static text make_page(void)
@@ -232,4 +227,4 @@ TEST(numbers_that_nothing_measures_are_refused)
     }
 }
 
-TEST_MAIN(make_store, NULL)
+TEST_BEGIN(make_store)

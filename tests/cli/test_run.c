@@ -19,11 +19,9 @@ static const char scene_text[] =
     "end\n"
     "return { dims = 3 }\n";
 
-static int make_scene(void **state)
+static void make_scene(void)
 {
-    (void)state;
     test_write_file(SCENE, scene_text);
-    return 0;
 }
 
 TEST(json_has_what_a_script_needs)
@@ -285,4 +283,4 @@ TEST(run_is_refused_in_a_job)
     program_done(program_run_with("PMI_SIZE=1 PMI_RANK=0", "run still -n 3 --repeat 1 --json"));
 }
 
-TEST_MAIN(make_scene, NULL)
+TEST_BEGIN(make_scene)

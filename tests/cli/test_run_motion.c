@@ -28,11 +28,9 @@ static const char scene_text[] =
     "},\n"
     "         world = { lower = { -5, -5, 0 }, upper = { 5, 5, 9 } } }\n";
 
-static int make_scene(void **state)
+static void make_scene(void)
 {
-    (void)state;
     test_write_file(SCENE, scene_text);
-    return 0;
 }
 
 // Which colours the picture has says what it shows; here it is enough that it
@@ -269,4 +267,4 @@ TEST(a_mesh_hides_what_is_behind_its_outside_alone)
     assert_false(are_same(from_within, from_within_further));
 }
 
-TEST_MAIN(make_scene, NULL)
+TEST_BEGIN(make_scene)

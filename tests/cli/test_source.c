@@ -6,11 +6,9 @@
 
 static char data_dir[512]; // "DUET_KERNEL_DIR=..." of the test kernels
 
-static int find_data(void **state)
+static void find_data(void)
 {
-    (void)state;
     snprintf(data_dir, sizeof data_dir, "DUET_KERNEL_DIR='%s/kernels'", getenv("DUET_TEST_DATA"));
-    return 0;
 }
 
 static const cJSON *item_named(const cJSON *list, const char *name)
@@ -143,4 +141,4 @@ TEST(wrong_usage_is_one_line)
     program_assert_refusals("", "", wrong);
 }
 
-TEST_MAIN(find_data, NULL)
+TEST_BEGIN(find_data)

@@ -27,13 +27,12 @@ static const char task_text[] =
     "  reference = function(v) for i = 0, v.items - 1 do v.y[i] = v.a * v.x[i] + v.y[i] end end "
     "}\n";
 
-static int begin_afresh(void **state)
+static void begin_afresh(void)
 {
-    int code = test_enter_folder(state);
+    test_enter_folder();
     test_write_file("saxpy.lua", card);
     test_write_file("saxpy.cl", body);
     test_write_file("saxpy.task.lua", task_text);
-    return code;
 }
 
 TEST(a_task_is_run_and_checked)
@@ -285,4 +284,3 @@ TEST(a_name_of_no_kernel_is_told_with_its_line)
 }
 
 TEST_EACH(begin_afresh, NULL)
-TEST_MAIN(NULL, NULL)

@@ -281,5 +281,3 @@ TEST(tables_are_folded_to_the_terminal)
         text_free(&t.seen);
     }
 }
-
-TEST_MAIN(NULL, NULL)

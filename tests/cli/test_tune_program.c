@@ -27,11 +27,10 @@ static const char scene_text[] =
     "end\n"
     "return { dims = 3 }\n";
 
-static int begin_afresh(void **state)
+static void begin_afresh(void)
 {
-    int code = test_enter_folder(state);
+    test_enter_folder();
     test_write_file(SCENE, scene_text);
-    return code;
 }
 
 // The rows of "workloads".
@@ -570,4 +569,3 @@ TEST(what_is_wrong_in_a_tune_file_is_said_with_its_line)
 }
 
 TEST_EACH(begin_afresh, NULL)
-TEST_MAIN(NULL, NULL)

@@ -9,13 +9,11 @@
 
 static test_folder folder;
 
-static int make_store(void **state)
+static void make_store(void)
 {
-    (void)state;
     folder = test_folder_make();
     program_done(program_run_with("gzip -dc \"$DUET_TEST_DATA\"/surfaces.jsonl.gz |",
                                   "profiles import - --profile %s", folder.store));
-    return 0;
 }
 
 static program replay(const char *arguments)
@@ -98,4 +96,4 @@ TEST(what_cannot_be_replayed_is_said_in_a_line)
                            "no workload's shares were all measured; expected one that");
 }
 
-TEST_MAIN(make_store, NULL)
+TEST_BEGIN(make_store)

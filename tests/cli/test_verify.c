@@ -21,22 +21,12 @@ static const char flying_text[] =
     "return { dims = 3, gravity = { 0, 0, -10 }, wants = { 'forces' } }\n";
 
 static duet_device_pair *pair;
-static duet_error err;
 
-static int begin(void **state)
+static void begin(void)
 {
-    (void)state;
-    pair = duet_device_pair_open("cpu", &err);
+    pair = kept(duet_device_pair_open("cpu", ERR));
     test_write_file(SCENE, scene_of_sliding_boxes);
     test_write_file(FLYING, flying_text);
-    return pair ? 0 : 1;
-}
-
-static int end(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(pair);
-    return 0;
 }
 
 // What a recording has besides steps: a command to one body.
@@ -108,9 +98,9 @@ static void exchange_and_push(duet_motion *m, uint64_t id)
 static void record_long(const char *scene_path, const char *path, uint32_t steps, command *give,
                         uint32_t at, uint64_t id, uint64_t *hashes)
 {
-    duet_scene *scene = must(duet_scene_load(scene_path, NULL, 0, ERR));
+    duet_scene *scene = kept(duet_scene_load(scene_path, NULL, 0, ERR));
     duet_motion_def def = duet_scene_motion_def(scene, pair);
-    duet_motion *m = must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
+    duet_motion *m = kept(duet_motion_create_from_scene(&def, scene, NULL, ERR));
     must(duet_motion_record(m, ERR));
     while (duet_motion_get_step(m) < steps) {
         duet_motion_result result;
@@ -125,8 +115,6 @@ static void record_long(const char *scene_path, const char *path, uint32_t steps
     if (hashes)
         must(duet_motion_get_hash(m, &hashes[steps], ERR));
     must(duet_motion_save_recording(m, path, ERR));
-    duet_motion_destroy(m);
-    duet_scene_destroy(scene);
 }
 
 static void record(const char *scene_path, const char *path, command *give, uint32_t at,
@@ -526,4 +514,4 @@ TEST(wrong_command_lines_are_refused)
     program_assert_refused_by(2, lines);
 }
 
-TEST_MAIN(begin, end)
+TEST_BEGIN(begin)

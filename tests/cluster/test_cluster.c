@@ -853,5 +853,3 @@ TEST(a_rank_that_is_stopped_is_told_of_and_goes_on)
     cJSON *o = json_of_program(p);
     assert_true(json_number(o, "pairs") == 1);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -291,5 +291,3 @@ TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit
     remove(SAVED);
     remove(SAYS);
 }
-
-TEST_MAIN(NULL, NULL)

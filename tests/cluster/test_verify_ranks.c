@@ -42,13 +42,11 @@ static void record(const char *path, int at, int body, const char *command)
         program_run("lua --trust " RECORDER " %s %d %d %d %s", path, STEPS, at, body, command));
 }
 
-static int begin(void **state)
+static void begin(void)
 {
-    (void)state;
     test_write_file(SCENE, scene_of_sliding_boxes);
     test_write_file(RECORDER, recorder_text);
     record("plain.replay", 0, 0, "push");
-    return 0;
 }
 
 // Runs it, after which no checkpoint is left; mpirun leaves a folder of its own.
@@ -142,4 +140,4 @@ TEST(ranks_that_cannot_be_started_are_refused)
             rows[i].code, rows[i].says);
 }
 
-TEST_MAIN(begin, NULL)
+TEST_BEGIN(begin)

@@ -231,5 +231,3 @@ TEST(what_a_target_moved_stands_still_for_those_that_a_new_def_wakes)
     mover_run(m, 1);
     assert_close(m->states[cube].velocity[0], before - braked, 0.1 * braked);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -162,5 +162,3 @@ TEST(what_is_built_ahead_keeps_to_what_a_plan_has_compiled_in)
         assert_int_equal(hash_by(plans[(i + 2) % 4], plans[i]), truth);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -482,5 +482,3 @@ TEST(carriers_that_no_mesh_can_have_are_refused)
     must_fail(duet_motion_remove_bodies(m->motion, the_carrier, ERR), DUET_STATUS_BAD_ARGUMENT,
               "body 0 of 1 carries the mesh");
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

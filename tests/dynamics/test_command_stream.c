@@ -280,7 +280,6 @@ static uint64_t play_once(world_kind kind, int n_steps, uint64_t seed)
 TEST(the_same_commands_give_the_same_bits)
 {
     uint64_t seed = test_seed();
-    print_message("DUET_TEST_SEED=%llu\n", (unsigned long long)seed);
     for (int kind = first_world; kind < n_worlds; ++kind)
         play_once((world_kind)kind, n_fuzzed_steps, seed + (uint64_t)kind);
 }
@@ -288,28 +287,30 @@ TEST(the_same_commands_give_the_same_bits)
 static void set_host_memory(bool host)
 {
     for (int side = 0; side < 2; ++side)
-        mover_pair()->devices[side].info.host_memory = host;
+        default_pair()->devices[side].info.host_memory = host;
 }
 
 // Rows are then fetched, changed and sent back.
 TEST(devices_with_memory_of_their_own_give_the_same_bits)
 {
     uint64_t seed = test_seed();
-    bool host = mover_pair()->devices[1].info.host_memory;
+    bool host = default_pair()->devices[1].info.host_memory;
     uint64_t hash = play_once(USUAL, 30, seed);
     set_host_memory(false);
     assert_true(play_once(USUAL, 30, seed) == hash);
     set_host_memory(host);
 }
 
-int main(int argc, char **argv)
+static void take_more(void)
 {
-    if (argc > 2 && strcmp(argv[1], "--world") == 0)
-        first_world = atoi(argv[2]);
-    if (argc > 1) {
+    const char *how = test_argument(1), *world = test_argument(2);
+    if (world && strcmp(how, "--world") == 0)
+        first_world = atoi(world);
+    if (how) {
         n_fuzzed_steps = 500;
         n_bodies = 2000;
         n_worlds = WORLD_KINDS;
     }
-    return test_run(mover_open_pair, mover_close_pair);
 }
+
+TEST_BEGIN(take_more)

@@ -702,5 +702,3 @@ TEST(what_commands_left_is_saved)
     must_fail(duet_motion_wake_bodies(fresh->motion, one(3), ERR), ANY_FAILURE, "was removed");
     assert_true(duet_motion_get_def(fresh->motion)->gravity[0] == 0.5);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -709,7 +709,7 @@ TEST(the_share_changes_nothing)
 TEST(one_lane_gives_the_bits_of_eight)
 {
     uint64_t hashes[2];
-    duet_device_info *info = &mover_pair()->devices[1].info;
+    duet_device_info *info = &default_pair()->devices[1].info;
     duet_device_kind kind = info->kind;
     for (int i = 0; i < 2; ++i) {
         mover *m = mover_new(3);
@@ -744,5 +744,3 @@ TEST(a_pile_stays_between_its_walls_and_rests)
     if (!(mover_greatest_speed(m) < 1e-3 * f[2]))
         fail_msg("the pile moves by %g m/s", mover_greatest_speed(m));
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

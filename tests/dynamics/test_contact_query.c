@@ -387,7 +387,7 @@ TEST(share_and_launch_change_no_bit)
     fill(&r, poses, 3);
     uint64_t n;
     duet_pair *pairs = all_pairs(&n);
-    duet_device_info *info = &devices->devices[1].info;
+    duet_device_info *info = &default_pair()->devices[1].info;
     duet_device_kind kind = info->kind;
     duet_contact *first = test_alloc((size_t)n * sizeof *first);
     for (int i = 0; i < WAYS; ++i) {
@@ -498,5 +498,3 @@ TEST(what_is_no_pair_of_boxes_is_refused)
     assert_refused(poses, 3, (duet_pair){1, 2}, DUET_STATUS_BAD_OBJECT,
                    "object 2 of 3 is not a number, infinite, negative or without rotation");
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -156,5 +156,3 @@ TEST(all_states_are_taken_apart)
         assert_true(mover_hash(pair[0]) == mover_hash(pair[1]));
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

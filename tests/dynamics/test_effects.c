@@ -529,7 +529,7 @@ TEST(kernels_are_those_that_are_called_for)
 // On a device with memory of its own each step has times only where that is asked for.
 TEST(stages_have_times_where_they_are_asked_for)
 {
-    bool *host = &mover_pair()->devices[1].info.host_memory, had = *host;
+    bool *host = &default_pair()->devices[1].info.host_memory, had = *host;
     *host = false;
     mover *m = make_scene(0);
     for (int k = 0; k < 36; ++k) {
@@ -774,5 +774,3 @@ TEST(a_damaged_file_is_refused)
     mover_run(other, 1);
     must_fail(duet_motion_load(other->motion, path, ERR), DUET_STATUS_BAD_INPUT, "effects");
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

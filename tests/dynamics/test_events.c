@@ -279,7 +279,7 @@ static uint64_t hash_events(const mover *m, uint64_t sum)
 TEST(share_and_launch_change_no_event)
 {
     uint64_t expected = 0;
-    duet_device_info *info = &mover_pair()->devices[1].info;
+    duet_device_info *info = &default_pair()->devices[1].info;
     duet_device_kind kind = info->kind;
     for (int way = 0; way < 4; ++way) {
         mover *m = new_pile();
@@ -462,5 +462,3 @@ TEST(a_sensor_that_came_by_a_command_is_saved)
     assert_true(c.begins == 1 && c.ends == 1 && c.stays == d.stays && d.begins == 1);
     assert_true(mover_hash(m) == mover_hash(fresh));
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

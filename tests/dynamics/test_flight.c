@@ -303,5 +303,3 @@ TEST(wrong_numbers_are_refused)
     m->def.integrator = DUET_INTEGRATOR_VERLET;
     assert_refused(m, DUET_STATUS_BAD_ARGUMENT, "integrator euler");
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

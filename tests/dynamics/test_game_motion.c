@@ -55,7 +55,7 @@ static bool sees(const duet_motion_result *result, uint32_t a, uint32_t b)
 static void play(uint32_t dims)
 {
     const axes a = {dims == 2 ? 1 : 2, 0};
-    duet_motion_def def = duet_game_motion_def(devices, dims);
+    duet_motion_def def = duet_game_motion_def(default_pair(), dims);
     duet_motion *motion = kept(duet_motion_create(&def, NULL, NULL, 0, ERR));
     uint64_t ids[BODIES];
     bool sensed = false;
@@ -89,5 +89,3 @@ TEST(a_game_begins_empty_and_takes_what_comes)
     play(3);
     play(2);
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -540,5 +540,3 @@ TEST(bodies_leave_every_triangle_of_rough_ground)
         deep += check_rough(i / 8, i / 4 % 2, 0.3 + 0.2 * (i % 4), &r);
     assert_true(deep > 500);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -368,13 +368,11 @@ TEST(recorded_commands_give_the_same_hash_with_any_plan)
     command_all(m);
     must(duet_motion_save_recording(m->motion, path, ERR));
     mover *other = make_player(DUET_SHARE_ONE / 2, DUET_MODE_SLAB);
-    duet_error why = {0};
-    duet_replay *replay = duet_replay_create(path, &why);
-    assert_ok(replay, why);
+    duet_replay *replay = kept(duet_replay_create(path, ERR));
     duet_replay_info info = duet_replay_get_info(replay);
     assert_true(info.steps == 26 && info.commands == 14);
     for (uint64_t i = 0; i < info.steps; ++i)
-        assert_ok(duet_replay_advance(replay, other->motion, &other->last, &why), why);
+        must(duet_replay_advance(replay, other->motion, &other->last, ERR));
     assert_true(mover_hash(m) == mover_hash(other));
     assert_true(m->last.step == other->last.step);
     uint64_t data = 0;
@@ -382,11 +380,9 @@ TEST(recorded_commands_give_the_same_hash_with_any_plan)
     assert_true(data == UINT64_MAX);
     must_fail(duet_replay_advance(replay, other->motion, &other->last, ERR), ANY_FAILURE,
               "steps are done");
-    duet_replay_destroy(replay);
-    replay = duet_replay_create(path, &why);
+    replay = kept(duet_replay_create(path, ERR));
     must_fail(duet_replay_advance(replay, other->motion, &other->last, ERR), ANY_FAILURE,
               "recorded from step 5, 8 places");
-    duet_replay_destroy(replay);
     must(duet_motion_save(m->motion, path, ERR));
     must(duet_motion_load(m->motion, path, ERR));
     must_fail(duet_motion_save_recording(m->motion, path, ERR), ANY_FAILURE, "nothing is recorded");
@@ -439,5 +435,3 @@ TEST(forged_recordings_are_refused_or_done)
     text_free(&file);
     text_free(&forged);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -257,5 +257,3 @@ TEST(a_planet_tumbles_as_a_box_does)
         }
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

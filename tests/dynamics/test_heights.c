@@ -296,5 +296,3 @@ TEST(grounds_that_no_motion_can_have_are_refused_in_a_line)
     m->def.dims = 2;
     ground_assert_refused(m, &f->heights, NULL, "heights and meshes are for motions in 3D");
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

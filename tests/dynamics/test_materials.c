@@ -278,7 +278,7 @@ TEST(a_wrong_table_is_refused)
         duet_pose pose = {.rotation = {0, 0, 0, 1}, .half_extents = {1, 1, 1}};
         duet_body body = duet_default_body();
         duet_motion_def def = duet_default_motion_def();
-        def.pair = mover_pair();
+        def.pair = default_pair();
         set_table(&def);
         body.material = i == 6 ? 6 : 1;
         def.n_materials = i == 0 ? 16 : 5;
@@ -290,5 +290,3 @@ TEST(a_wrong_table_is_refused)
         must_fail(duet_motion_create(&def, &pose, &body, 1, ERR), ANY_FAILURE, words[i]);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -639,5 +639,3 @@ TEST(meshes_that_no_motion_can_have_are_refused_in_a_line)
     m->def.dims = 2;
     ground_assert_refused(m, m->def.heights, &s->mesh, "heights and meshes are for motions in 3D");
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

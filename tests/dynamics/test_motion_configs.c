@@ -67,7 +67,7 @@ bool __wrap_program_set_kernels(program_set *set, const kernel_request *list, si
 // B holds the state.
 static gen_limits limits_of_b(void)
 {
-    return program_limits(duet_device_pair_get_info(mover_pair(), 1));
+    return program_limits(duet_device_pair_get_info(default_pair(), 1));
 }
 
 // One of the values of a parameter; 0 where the kernel has it not.
@@ -242,5 +242,3 @@ TEST(groups_have_bodies_that_sleep_and_work_items_without_a_body)
         assert_int_equal(run_sleepers(dims), truth);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

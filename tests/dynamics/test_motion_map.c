@@ -33,7 +33,7 @@ static void unmap(mover *m, duet_state_part part)
 static void set_host_memory(bool host)
 {
     for (int side = 0; side < 2; ++side)
-        mover_pair()->devices[side].info.host_memory = host;
+        default_pair()->devices[side].info.host_memory = host;
 }
 
 // ------------------------------------------------------------ facts
@@ -86,13 +86,13 @@ static void written_is_as_set_in(uint32_t dims, bool doubles)
 
 TEST(what_is_written_is_what_is_set)
 {
-    bool host = mover_pair()->devices[1].info.host_memory;
+    bool host = default_pair()->devices[1].info.host_memory;
     written_is_as_set_in(3, false);
     written_is_as_set_in(2, false);
     set_host_memory(false);
     written_is_as_set_in(3, false);
     set_host_memory(host);
-    if (mover_pair()->devices[1].info.fp64)
+    if (default_pair()->devices[1].info.fp64)
         written_is_as_set_in(3, true);
 }
 
@@ -368,5 +368,3 @@ TEST(half_way_is_half_of_the_turn)
         assert_close(2 * atan2(at.rotation[2], at.rotation[3]), t * angle, 0.0058);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

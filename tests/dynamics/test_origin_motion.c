@@ -168,7 +168,7 @@ static void refuse(const mover *m, const char *words)
 TEST(a_motion_says_what_origin_cells_do_not_go_with)
 {
     mover *m = stack_at(3, 1, far);
-    m->def.pair = mover_pair();
+    m->def.pair = default_pair();
     m->def.origin_edge = 0.3f;
     refuse(m, "power of two");
     m->def.origin_edge = 1;
@@ -197,5 +197,3 @@ TEST(explain_names_the_cells_and_their_bytes)
         assert_true(found);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

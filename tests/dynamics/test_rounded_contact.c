@@ -258,7 +258,7 @@ TEST(shares_launches_and_order_change_no_bit)
     fill(&r, boxes, 3);
     uint64_t n = all_pairs(pairs);
     duet_contact *first = test_alloc((size_t)n * sizeof *first);
-    duet_device_info *info = &devices->devices[1].info;
+    duet_device_info *info = &default_pair()->devices[1].info;
     duet_device_kind kind = info->kind;
     for (int way = 0; way < 3; ++way) {
         info->kind = way == 2 ? DUET_KIND_GPU : kind;
@@ -341,7 +341,7 @@ TEST(a_motion_has_the_same_contacts)
         poses[i] = boxes[i].pose;
     }
     duet_motion_def def = duet_default_motion_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.wants = DUET_EFFECT_CONTACT;
     def.slop = 0.005;
     duet_motion *motion = kept(duet_motion_create(&def, poses, bodies, BOXES, ERR));
@@ -399,11 +399,9 @@ TEST(what_is_no_object_of_the_shape_is_refused)
               DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text, "objects of kind 0; the query is of rounded boxes");
     duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.shape = DUET_SHAPE_BOUNDS;
     must_fail(duet_contact_query_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     assert_string_equal(ERR->text,
                         "shape is 1; contacts are those of poses, rounded boxes or spheres");
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -488,5 +488,3 @@ TEST(any_plan_gives_the_same_bits)
     must(duet_motion_get_hash(motion, &hash, ERR));
     assert_true(hash == expected);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -76,10 +76,9 @@ static text bytes_after(duet_device_pair *pair, int kind, const way *w, uint32_t
 
 TEST(the_bytes_of_a_state_do_not_tell_which_devices_made_it)
 {
-    duet_error err = {0};
     rng r = rng_seed(test_seed());
-    duet_device_pair *one = duet_device_pair_open("cpu", &err);
-    duet_device_pair *two = must(one ? duet_device_pair_open("halves", ERR) : NULL);
+    duet_device_pair *one = kept(duet_device_pair_open("cpu", ERR));
+    duet_device_pair *two = kept(duet_device_pair_open("halves", ERR));
     for (int i = 0; i < 4; ++i) {
         int kind = (int)rng_below(&r, KINDS);
         uint32_t steps = 1 + rng_below(&r, 60);
@@ -93,8 +92,4 @@ TEST(the_bytes_of_a_state_do_not_tell_which_devices_made_it)
                 fail_msg("%s, kind %d, %u steps: other bytes", ways[k].name, kind, steps);
         }
     }
-    duet_device_pair_destroy(two);
-    duet_device_pair_destroy(one);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

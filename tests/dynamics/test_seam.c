@@ -371,5 +371,3 @@ TEST(sensors_are_no_tiles)
     mover_run(m, 460); // past the last tile, over the other sensor, and down
     assert_true(m->states[ball].centre[0] > TILES && m->states[ball].centre[2] < 0);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

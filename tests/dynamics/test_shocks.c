@@ -254,5 +254,3 @@ TEST(the_bits_are_those_of_any_launch)
     assert_true(hash_by("auto solve_shocks.WG=64 solve_shocks.LANES=1 solve_contacts.LANES=1") ==
                 hash);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

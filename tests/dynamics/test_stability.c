@@ -295,5 +295,3 @@ TEST(a_pile_gets_back_little_of_an_impact)
             fail_msg("%g of %g came back", gain, kinetic);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

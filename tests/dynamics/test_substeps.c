@@ -346,5 +346,3 @@ TEST(a_def_that_leaves_its_substeps_changes_the_world)
     m->def.substeps = chosen + 1;
     must_fail(duet_motion_set_def(m->motion, &m->def, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

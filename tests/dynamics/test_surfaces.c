@@ -291,5 +291,3 @@ TEST(a_loaded_belt_runs_on)
         mover_run_alike(m, loaded, 30);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

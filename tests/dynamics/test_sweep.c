@@ -128,5 +128,3 @@ TEST(a_bullet_out_of_line_does_not_pass_a_wall)
                      (double)m->bodies[cube].velocity[0], angle, x, y, z, o.furthest, o.most);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -154,5 +154,3 @@ TEST(thin_boxes_that_turn_far_keep_their_energy)
         assert_true(worst.momentum < 1e-3);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -13,9 +13,7 @@
 
 static void look(const char *path)
 {
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(1000);
     profile_found found;
     text why = {0};
     duet_error err = {0};

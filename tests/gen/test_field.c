@@ -265,5 +265,3 @@ TEST(metatables_are_not_asked)
     assert_int_equal(found.n, 7);
     lua_close(L);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -49,6 +49,14 @@ static duet_error make_with(const char *card, const char *body_file, const char 
     return err;
 }
 
+// The same where it must succeed.
+static void make_well(const char *card, const char *body_file, const char *body)
+{
+    *ERR = make_with(card, body_file, body);
+    if (ERR->status != DUET_STATUS_OK)
+        fail_msg("%s", ERR->text);
+}
+
 static void expect(duet_error err, duet_status status, const char *wanted)
 {
     if (err.status != status || !strstr(err.text, wanted))
@@ -296,8 +304,7 @@ TEST(a_card_s_arguments_become_parameters)
         CARD("{ 'DOUBLE', values = { 0, 1 }, default = 1 }, { 'A', values = { 1, 2 } }",
              "args = { take = [[\n volatile uint *counters\n const real4 *centres if A == 1\n"
              " constant grid_level *levels  if A ~= 1\n real h\n ]], put = [[ float4 *x ]] },");
-    duet_error err = make_with(card, "k.cl", "struct { ARG_FIELDS };\n");
-    assert_ok(err.status == DUET_STATUS_OK, err);
+    make_well(card, "k.cl", "struct { ARG_FIELDS };\n");
     assert_says(made,
                 "#define PUT_ARGS \\\n    __global float4 *restrict x\n"
                 "#define TAKE_ARGS \\\n"
@@ -323,8 +330,7 @@ TEST(an_argument_that_is_there_only_if_a_condition_holds_is_else_no_member)
             "{ 'A', values = { 0, 1 }, default = %d }, { 'B', values = { 0, 1 }, default = %d }",
             x & 1, x >> 1);
         snprintf(card, sizeof card, CARD("%s", "%s"), params, args);
-        duet_error err = make_with(card, "k.cl", "struct { ARG_FIELDS };\n");
-        assert_ok(err.status == DUET_STATUS_OK, err);
+        make_well(card, "k.cl", "struct { ARG_FIELDS };\n");
         assert_true(!strstr(made, "float h;") == !(x & 1));
         assert_true(!strstr(made, "__global float4 *x;") == !x); // of either entry
         assert_says(made, "float w;", "uint n;");
@@ -411,8 +417,7 @@ TEST(a_broken_template_is_told_with_its_line)
 TEST(a_template_without_lua_comes_out_as_it_went_in)
 {
     const char *body = "a \"%d\\n\" @ {b}\n\n  \\\n]]\n";
-    duet_error err = make_with(CARD("", ""), "k.cl.in", body);
-    assert_ok(err.status == DUET_STATUS_OK, err);
+    make_well(CARD("", ""), "k.cl.in", body);
     const char *begin = strstr(made, "a \"");
     assert_non_null(begin);
     assert_string_equal(begin, body);
@@ -430,8 +435,7 @@ TEST(lines_of_lua_choose_in_plain_text)
         {"//@ if A ~= 1 then\nint b;\n  //@ end\n", "// shared\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        duet_error err = make_with(CARD("{ 'A', values = { 1 } }", ""), "k.cl", cases[i].body);
-        assert_ok(err.status == DUET_STATUS_OK, err);
+        make_well(CARD("{ 'A', values = { 1 } }", ""), "k.cl", cases[i].body);
         assert_string_equal(strstr(made, i == 0 ? "#line 1 \"kernels/k" : "// shared"),
                             cases[i].end);
     }
@@ -560,5 +564,3 @@ TEST(damage_is_an_error_or_a_variant)
         assert_null(strchr(err.text, '\n'));
     }
 }
-
-TEST_MAIN(NULL, NULL)

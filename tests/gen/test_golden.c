@@ -133,5 +133,3 @@ TEST(templates_have_the_expected_text)
         }
     assert_true(checked >= 2);
 }
-
-TEST_MAIN(NULL, NULL)

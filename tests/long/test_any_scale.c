@@ -116,5 +116,3 @@ TEST(scenes_of_any_scale_are_found_whole)
     print_message("%llu pairs\n", (unsigned long long)pairs);
     assert_true(pairs > 0);
 }
-
-TEST_MAIN(open_devices, close_devices)

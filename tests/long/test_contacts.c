@@ -198,5 +198,3 @@ TEST(a_hundred_million_contacts_are_decided_rightly)
                   (double)(clock_steady_ns() - begun) * 1e-9);
     assert_false(sum.wrong);
 }
-
-TEST_MAIN(NULL, NULL)

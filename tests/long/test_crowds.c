@@ -16,7 +16,7 @@ static duet_world *open_world(duet_pose *poses, uint32_t n, float half, uint64_t
             poses[i].centre[k] = (float)rng_between(&r, 10.25, 10.75);
     }
     duet_world_def def = devices_def(3);
-    def.plan = duet_default_plan(devices);
+    def.plan = duet_default_plan(default_pair());
     def.rotated = false;
     def.cell = 1;
     def.has_world = true;
@@ -70,5 +70,3 @@ TEST(more_pairs_than_32_bits_count_are_counted)
     expect_too_many(92683, 1000000, "4295022903 pairs"); // 92683 * 92682 / 2
     expect_too_many(92683, 0, ", more than the 4294967295 that one device can list");
 }
-
-TEST_MAIN(open_devices, close_devices)

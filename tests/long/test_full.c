@@ -74,5 +74,3 @@ TEST(a_hundred_thousand_on_planes)
 {
     check_scene("planes", "100000");
 }
-
-TEST_MAIN(NULL, NULL)

@@ -16,12 +16,12 @@ enum { EACH = 10000 };
 
 TEST(hard_pairs_in_3d_get_what_their_level_promises)
 {
-    hard_test_run(devices, 3, EACH);
+    hard_test_run(3, EACH);
 }
 
 TEST(hard_pairs_in_2d_get_what_their_level_promises)
 {
-    hard_test_run(devices, 2, EACH);
+    hard_test_run(2, EACH);
 }
 
 // ------------------------------------------------------------ many pairs
@@ -74,13 +74,11 @@ TEST(more_pairs_than_31_bits_count_are_counted)
     tiles answers = tiles_open(PAIRS_A_BLOCK, n);
     fill_block((duet_pose *)poses.bytes);
     duet_pair_query_result result;
-    hard_test_answers(devices, DUET_LEVEL_SPHERE, 3, DUET_SHARE_ONE / 2,
-                      (const duet_pose *)poses.bytes, n, (uint8_t *)answers.bytes, &result);
+    hard_test_answers(DUET_LEVEL_SPHERE, 3, DUET_SHARE_ONE / 2, (const duet_pose *)poses.bytes, n,
+                      (uint8_t *)answers.bytes, &result);
     print_message("%" PRIu64 " of %" PRIu64 " pairs collide, %.1f s\n", result.colliding, n,
                   result.total_ms * 1e-3);
     assert_true(result.colliding == n - n / 4);
     tiles_close(&answers);
     tiles_close(&poses);
 }
-
-TEST_MAIN(open_devices, close_devices)

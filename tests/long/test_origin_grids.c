@@ -53,7 +53,7 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
     scatter_large(0, 300, (double[]){1e7, -1e7, 3}, 6, 2, true, &r);
     duet_scene *scene =
         kept(duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, ERR));
-    duet_world_def def = duet_scene_world_def(scene, devices);
+    duet_world_def def = duet_scene_world_def(scene, default_pair());
     duet_world *world = create_world(&def);
     must(duet_world_set_scene(world, scene, ERR));
     const char *const variants[] = {"gpu", "simd"};
@@ -64,5 +64,3 @@ TEST(every_level_finds_its_reference_s_pairs_far_away)
         assert_step_finds(world, known_pairs_of_scene(scene, (duet_level)l));
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -7,5 +7,3 @@ TEST(a_skin_misses_no_contact_in_ten_thousand_steps)
 {
     skin_run(10000);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -46,7 +46,7 @@ static void fill(scene *s, rng *r)
 static uint64_t pairs_of(const scene *s, duet_world_def def, const char *words)
 {
     duet_result result;
-    def.pair = devices;
+    def.pair = default_pair();
     def.plan = (duet_plan){.mode = DUET_MODE_OWN};
     set_variants(&def.plan, words);
     duet_world *world = create_world(&def);
@@ -113,5 +113,3 @@ TEST(every_combination_of_properties_gives_the_general_kernels_pairs)
         compare_all(&s);
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

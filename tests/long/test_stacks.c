@@ -72,7 +72,7 @@ TEST(a_great_pile_does_not_sleep_deep)
     const double slop = 0.003; // nearly what it is by itself
     const duet_setting n = {"n", "20000"};
     duet_scene *scene = kept(duet_scene_load("falling", &n, 1, ERR));
-    duet_motion_def def = duet_scene_motion_def(scene, mover_pair());
+    duet_motion_def def = duet_scene_motion_def(scene, default_pair());
     duet_motion *motion = kept(duet_motion_create_from_scene(&def, scene, NULL, ERR));
     duet_motion_result last = {0};
     for (int step = 0; step < 60 * f[1]; ++step)
@@ -95,5 +95,3 @@ TEST(a_great_pile_does_not_sleep_deep)
     assert_true(f[3] * n_deep <= f[4] * n_points);
     free(contacts);
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

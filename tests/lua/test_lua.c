@@ -374,5 +374,3 @@ TEST(a_file_named_on_the_command_line_can_be_read)
     test_write_file(SCRIPT, "print(#assert(duet.scene(arg[1], { n = 7 })))\n");
     assert_prints(path, "7\n");
 }
-
-TEST_MAIN(NULL, NULL)

@@ -125,7 +125,7 @@ TEST(devices_find_each_levels_reference)
         for (int rotated = 0; rotated < 2; ++rotated) {
             c.rotated = rotated;
             fill(&c, &r);
-            try_levels(devices, &c);
+            try_levels(default_pair(), &c);
         }
 }
 
@@ -135,5 +135,3 @@ TEST(a_level_that_there_is_not_is_refused)
     world.level = (duet_level)DUET_LEVELS;
     must_fail(duet_world_create(&world, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -80,5 +80,3 @@ TEST(errors_that_a_search_drives_up_stay_below_the_bound)
     assert_true(worst < most / 100 * NARROW_SLACK);
     assert_true(worst > 1); // else the search seeks nothing
 }
-
-TEST_MAIN(NULL, NULL)

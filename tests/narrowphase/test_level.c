@@ -187,5 +187,3 @@ TEST(names_name_levels)
     assert_false(duet_level_from_name("sat", &found));
     assert_null(duet_level_get_info(DUET_LEVELS));
 }
-
-TEST_MAIN(NULL, NULL)

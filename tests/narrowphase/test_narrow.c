@@ -383,5 +383,3 @@ TEST(bounds_that_touch_collide)
     assert_false(narrow_bounds(&b, &a, 3));
     assert_true(narrow_bounds(&a, &b, 2));
 }
-
-TEST_MAIN(NULL, NULL)

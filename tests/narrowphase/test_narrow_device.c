@@ -20,16 +20,9 @@ typedef enum list { COLLIDING, UNDECIDED } list;
 
 static gen *kernels;
 
-static int begin(void **state)
+static void begin(void)
 {
-    kernels = must(gen_open(NULL, ERR));
-    return open_devices(state);
-}
-
-static int end(void **state)
-{
-    gen_close(kernels);
-    return close_devices(state);
+    kernels = kept(gen_open(NULL, ERR));
 }
 
 static gen_variant make_narrow(const device *d, uint32_t dims)
@@ -165,7 +158,7 @@ static void compare_with_specification(int side, uint32_t dims, const char *opti
 {
     static duet_pose poses[OBJECTS];
     static narrow_answer answers[PAIRS];
-    const device *d = &devices->devices[side];
+    const device *d = &default_pair()->devices[side];
     fill_with_hard_pairs(poses, dims);
     own(gen_variant) made = make_narrow(d, dims);
     cl_program program = build(d, &made, options);
@@ -249,7 +242,7 @@ TEST(contraction_breaks_no_promise_of_any_level)
 {
     static duet_pose poses[OBJECTS];
     static uint8_t plain[PAIRS], contracted[PAIRS];
-    const device *d = &devices->devices[1];
+    const device *d = &default_pair()->devices[1];
     fill_with_hard_pairs(poses, 3);
     for (int l = 0; l < DUET_LEVELS; ++l) {
         const duet_level_info *info = duet_level_get_info((duet_level)l);
@@ -268,7 +261,7 @@ TEST(contraction_breaks_no_promise_of_any_level)
 
 TEST(relaxed_arithmetic_is_refused_by_every_kernel)
 {
-    const device *d = &devices->devices[1];
+    const device *d = &default_pair()->devices[1];
     gen_limits limits = program_limits(&d->info);
     for (uint32_t i = 0; gen_kernel(kernels, i); ++i) {
         own(gen_variant) made;
@@ -277,4 +270,4 @@ TEST(relaxed_arithmetic_is_refused_by_every_kernel)
     }
 }
 
-TEST_MAIN(begin, end)
+TEST_BEGIN(begin)

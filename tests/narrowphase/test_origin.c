@@ -186,7 +186,7 @@ static uint64_t check_cloud(const double at[3])
     scatter_large(0, 300, at, 6, 20, true, &r);
     duet_scene *scene =
         kept(duet_scene_create(DUET_OBJECT_LARGE_POSES, large_poses, 300, 3, LARGE_EDGE, ERR));
-    duet_world_def def = duet_scene_world_def(scene, devices);
+    duet_world_def def = duet_scene_world_def(scene, default_pair());
     duet_world *world = create_world(&def);
     must(duet_world_set_scene(world, scene, ERR));
     const known_pairs truth = known_pairs_of_scene(scene, DUET_LEVEL_CERTIFIED);
@@ -337,5 +337,3 @@ TEST(data_are_placed_where_that_is_asked_for)
     assert_int_equal(p[1].cell[0] - p[0].cell[0], 1);
     assert_true(p[0].pose.centre[0] == 0.25f && p[1].pose.centre[0] == 0.25f);
 }
-
-TEST_MAIN(open_devices, close_devices)

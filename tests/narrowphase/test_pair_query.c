@@ -8,7 +8,7 @@
 static duet_pair_query *open_test(duet_level level, uint32_t share)
 {
     duet_pair_query_def def = duet_default_pair_query_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.level = level;
     def.share = share;
     return kept(duet_pair_query_create(&def, ERR));
@@ -29,12 +29,12 @@ enum { EACH = 250 };
 
 TEST(hard_pairs_in_3d_get_what_their_level_promises)
 {
-    hard_test_run(devices, 3, EACH);
+    hard_test_run(3, EACH);
 }
 
 TEST(hard_pairs_in_2d_get_what_their_level_promises)
 {
-    hard_test_run(devices, 2, EACH);
+    hard_test_run(2, EACH);
 }
 
 // ------------------------------------------------------------ a world's candidates
@@ -83,8 +83,7 @@ TEST(a_step_s_candidates_tested_alone_are_its_pairs)
     for (int level = 0; level < DUET_LEVELS; ++level) {
         duet_pair_query_result tested;
         uint64_t hash = 0;
-        hard_test_answers(devices, (duet_level)level, 3, DUET_SHARE_ONE / 2, poses, n, answers,
-                          &tested);
+        hard_test_answers((duet_level)level, 3, DUET_SHARE_ONE / 2, poses, n, answers, &tested);
         for (uint64_t i = 0; i < n; ++i)
             hash += answers[i] ? duet_pairs_hash(&pairs[i], 1) : 0;
         step_at(world, (duet_level)level, &result);
@@ -216,7 +215,7 @@ TEST(a_test_goes_on_after_a_refusal)
 TEST(a_wrong_def_is_told)
 {
     duet_pair_query_def right = duet_default_pair_query_def();
-    right.pair = devices;
+    right.pair = default_pair();
     duet_pair_query_def wrong[5] = {right, right, right, right, right};
     static const char *const why[] = {
         "the query's def does not come from duet_default_pair_query_def",
@@ -235,5 +234,3 @@ TEST(a_wrong_def_is_told)
         assert_string_equal(ERR->text, why[i]);
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

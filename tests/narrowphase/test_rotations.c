@@ -273,5 +273,3 @@ TEST(an_angle_however_small_turns)
         }
     }
 }
-
-TEST_MAIN(NULL, NULL)

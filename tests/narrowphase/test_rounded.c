@@ -330,5 +330,3 @@ TEST(what_is_no_rounded_box_collides_with_nothing)
         assert_false(rounded_exact(&other, &good, 3));
     }
 }
-
-TEST_MAIN(NULL, NULL)

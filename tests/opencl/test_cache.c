@@ -20,19 +20,16 @@ static const char key[65] = "0123456789abcdef0123456789abcdef0123456789abcdef012
 static const char binary[] = "\x7f"
                              "ELF\0 not really, but long enough to be cut\n";
 
-static int make_dir(void **state)
+static void make_dir(void)
 {
-    (void)state;
     test_make_folder(dir);
-    return 0;
 }
 
-static int remove_dir(void **state)
+static void remove_dir(void)
 {
-    (void)state;
     char command[160];
     snprintf(command, sizeof command, "chmod -R u+w %s; rm -rf %s", dir, dir);
-    return system(command);
+    assert_int_equal(system(command), 0);
 }
 
 static void entry_path(char path[160])
@@ -424,7 +421,7 @@ static void build_one(void)
 }
 
 // The one entry of the folder.
-static void only_entry(text *entry, char path[160], duet_error *err)
+static void only_entry(text *entry, char path[160])
 {
     char command[100];
     snprintf(command, sizeof command, "ls %s/*.bin", dir);
@@ -433,18 +430,17 @@ static void only_entry(text *entry, char path[160], duet_error *err)
     assert_non_null(fgets(path, 160, list));
     pclose(list);
     path[strcspn(path, "\n")] = '\0';
-    assert_ok(text_read_file(entry, path, err), *err);
+    must(text_read_file(entry, path, ERR));
 }
 
 TEST(a_program_is_built_from_its_entry_or_else_again)
 {
-    duet_error err = {0};
     char path[160];
     own(text) entry = {0}, again = {0};
     compiled = 0;
     build_one();
     assert_int_equal(compiled, 1);
-    only_entry(&entry, path, &err);
+    only_entry(&entry, path);
     struct stat before, after;
     assert_int_equal(stat(path, &before), 0);
     build_one();
@@ -460,7 +456,7 @@ TEST(a_program_is_built_from_its_entry_or_else_again)
     memset(entry.chars + begin, 7, entry.length - begin);
     assert_true(cache_put(dir, found_key, entry.chars + begin, entry.length - begin));
     build_one();
-    only_entry(&again, path, &err);
+    only_entry(&again, path);
     assert_int_not_equal(again.chars[begin], 7);
 
     assert_int_equal(chmod(path, 0), 0);
@@ -473,13 +469,12 @@ TEST(a_program_is_built_from_its_entry_or_else_again)
 // does it go with the world that had it built.
 TEST(a_device_keeps_what_was_built_last)
 {
-    duet_error err = {0};
     device d;
     char path[160];
     own(text) entry = {0};
     must(device_open(&d, "pocl:0", ERR));
     build_on(&d);
-    only_entry(&entry, path, &err);
+    only_entry(&entry, path);
     remove(path);
     build_on(&d);
     assert_int_not_equal(access(path, F_OK), 0);
@@ -488,4 +483,3 @@ TEST(a_device_keeps_what_was_built_last)
 }
 
 TEST_EACH(make_dir, remove_dir)
-TEST_MAIN(NULL, NULL)

@@ -79,5 +79,3 @@ TEST(so_does_one_that_is_sent_copies)
 {
     close_early(true);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -533,11 +533,14 @@ TEST(a_motion_that_found_no_memory_for_contacts_is_loaded_and_goes_on)
 
 // ------------------------------------------------------------ what runs
 
-static int open_devices(void **state)
+static void open_devices(void)
 {
-    (void)state;
+    if (test_argument(2) && strcmp(test_argument(1), "--points") == 0)
+        n_wanted = (uint32_t)strtoul(test_argument(2), NULL, 10);
+    if (test_argument(3))
+        only = test_argument(3);
     lost_begin(LOST_FOR_EVER, UINT32_MAX);
-    pair = must(duet_device_pair_open(NULL, ERR));
+    pair = kept(duet_device_pair_open(NULL, ERR));
     for (int side = 0; side < 2; ++side)
         have_host_memory[side] = pair->devices[side].info.host_memory;
     lost_know(pair);
@@ -553,22 +556,6 @@ static int open_devices(void **state)
         for (int k = 0; k < 3 && i % 8; ++k)
             mixed[i].half_extents[k] = 0.05f;
     }
-    return 0;
 }
 
-static int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(pair);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
-int main(int argc, char **argv)
-{
-    if (argc > 2 && strcmp(argv[1], "--points") == 0)
-        n_wanted = (uint32_t)strtoul(argv[2], NULL, 10);
-    if (argc > 3)
-        only = argv[3];
-    return test_run(open_devices, close_devices);
-}
+TEST_BEGIN(open_devices)

@@ -91,4 +91,3 @@ TEST(a_failed_build_spares_what_is_not_built)
 }
 
 TEST_EACH(NULL, test_leaves_no_object)
-TEST_MAIN(NULL, NULL)

@@ -249,5 +249,3 @@ TEST(a_scan_that_cannot_be_opened_has_no_kernels)
     assert_null(b.s.blocks);
     close_bench();
 }
-
-TEST_MAIN(NULL, NULL)

@@ -110,5 +110,3 @@ TEST(both_jobs_are_done_and_one_needs_no_pool)
     assert_int_equal(b, ROUNDS + 1);
     thread_pool_close(pool);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -485,5 +485,3 @@ TEST(kernel_tuners_schema_finds_it_valid)
     }
     assert_int_equal(status, 0);
 }
-
-TEST_MAIN(NULL, NULL)

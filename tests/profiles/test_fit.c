@@ -63,5 +63,3 @@ TEST(a_fit_knows_what_it_does_not_know)
     assert_true(larger.sd_ns / larger.ns > 0.05);
     assert_true(denser.sd_ns / denser.ns > 0.2);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -5,11 +5,9 @@
 
 static look_fixture f; // the test's
 
-static int begin(void **state)
+static void begin(void)
 {
-    (void)state;
     f = look_open();
-    return 0;
 }
 
 // ----------------------------------------------------------------------- the grades
@@ -551,4 +549,3 @@ TEST(a_profile_comes_back_with_all_that_was_measured)
 }
 
 TEST_EACH(begin, NULL)
-TEST_MAIN(NULL, NULL)

@@ -49,9 +49,7 @@ TEST(a_look_up_sees_what_a_tuner_at_work_has_stored)
 
 TEST(missing_files_give_the_default_without_failure)
 {
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(1000);
     profile_found found;
     own(text) why = {0};
     must(profile_lookup_files("no/such.db", "nor/this.db", &request, &found, &why, ERR));
@@ -151,12 +149,11 @@ static int keep_statement(unsigned kind, void *context, void *stmt, void *unused
 static void explain(store *s, const char *statement, text *plan)
 {
     own(text) query = {0};
-    duet_error err = {0};
     text_add(&query, "EXPLAIN QUERY PLAN %s", statement);
-    sql q = sql_make(s, text_chars(&query), &err);
+    sql q = sql_make(s, text_chars(&query), ERR);
     while (sql_row(&q))
         text_add(plan, "%s\n", sql_get_text(&q, 3));
-    assert_ok(sql_close(&q), err);
+    must(sql_close(&q));
 }
 
 // No rung may read a table from end to end, however many profiles there are.
@@ -196,5 +193,3 @@ TEST(one_of_ten_thousand_is_found)
         assert_int_equal(found.plan.share, i);
     }
 }
-
-TEST_MAIN(NULL, NULL)

@@ -206,5 +206,3 @@ TEST(no_plan_that_is_looked_up_loses_to_the_default)
     assert_true(l.worst <= MOST_LOSS);
     assert_true(l.n[PROFILE_INTERPOLATED] > 0 && l.n[PROFILE_TRANSFERRED] > 0);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -163,5 +163,3 @@ TEST(a_silent_owner_elsewhere_is_given_ten_minutes)
     must(sql_script(begun.s, "UPDATE session SET host = 'elsewhere', pid = 999999999", ERR));
     assert_int_equal(resume(begun.s, &begun.session).claim, PROFILE_CLAIM_BUSY);
 }
-
-TEST_MAIN(NULL, NULL)

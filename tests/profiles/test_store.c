@@ -383,5 +383,3 @@ TEST(an_upgrade_that_fails_changes_nothing)
     assert_int_equal(version_of(s), STORE_FIRST_VERSION);
     assert_int_equal(test_count(s, "pragma_table_info('profile') WHERE name = 'colour'"), 0);
 }
-
-TEST_MAIN(NULL, NULL)

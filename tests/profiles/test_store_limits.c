@@ -54,9 +54,7 @@ static void write_without_rights(const test_folder *folder)
     s = store_open(folder->store, STORE_READ, &err);
     expect(s, "a read-only file is read", &err);
     store_close(s);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(1000);
     profile_found found;
     expect(profile_lookup_files(folder->store, NULL, &request, &found, NULL, &err) &&
                found.grade == PROFILE_EXACT,
@@ -175,9 +173,7 @@ TEST(a_store_that_does_not_fit_leaves_nothing)
 static void read_by_all_means(const test_folder *folder)
 {
     duet_error err = {0};
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(1000);
     profile_found found;
     expect(profile_lookup_files(folder->store, NULL, &request, &found, NULL, &err) &&
                found.grade == PROFILE_EXACT,
@@ -355,5 +351,3 @@ TEST(a_text_that_is_too_long_is_told_of_with_its_row)
         store_close(s);
     }
 }
-
-TEST_MAIN(NULL, NULL)

@@ -124,9 +124,7 @@ static void write_rows(const char *path, int who)
 static void read_rows(const char *path, int who)
 {
     (void)who;
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(1000);
     for (;;) {
         profile_found found;
         duet_error err = {0};
@@ -150,14 +148,13 @@ TEST(writers_and_readers_do_not_disturb_each_other)
     for (int i = 0; i < READERS; ++i)
         children[WRITERS + i] = start(read_rows, folder.store, i);
     assert_all_ended_well(children, WRITERS + READERS);
-    store *s = must(store_open(folder.store, STORE_WRITE, ERR));
+    store *s = kept(store_open(folder.store, STORE_WRITE, ERR));
     assert_int_equal(test_count(s, "session WHERE state = 'complete'"), WRITERS);
     assert_int_equal(test_count(s, "trial"), WRITERS * TRIALS);
     assert_int_equal(test_count(s, "profile"), WRITERS);
     assert_int_equal(test_count(s, "profile WHERE live = 1"), 1 + WRITERS / 2);
     assert_int_equal(test_count(s, "pair"), 1);
     assert_sound(s);
-    store_close(s);
 }
 
 // Exactly one of many processes that want a session gets it. They live until all have asked.
@@ -299,13 +296,9 @@ TEST(a_look_up_works_after_a_kill)
     waitpid(child, NULL, 0);
     close(told_pipe[0]);
     close(told_pipe[1]);
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(1000);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(1000);
     profile_found found;
     own(text) why = {0};
     must(profile_lookup_files(folder.store, NULL, &request, &found, &why, ERR));
     assert_says(text_chars(&why), "this workload was never measured on these two");
 }
-
-TEST_MAIN(NULL, NULL)

@@ -88,7 +88,7 @@ static uint64_t count_by_pairs(duet_level level, const duet_pose *boxes, uint32_
 {
     duet_pair_query_def def = duet_default_pair_query_def();
     duet_pair_query_result result;
-    def.pair = devices;
+    def.pair = default_pair();
     def.level = level;
     duet_pair_query *test = kept(duet_pair_query_create(&def, ERR));
     duet_pose *pairs = test_alloc((size_t)n * m * 2 * sizeof *pairs);
@@ -178,7 +178,7 @@ TEST(what_is_not_there_meets_nothing)
                                 {{1}, {1, 1, 1}, {0, 0, 0, 1}}};
     duet_box_query_result found;
     duet_motion_def def = duet_default_motion_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.wants = DUET_EFFECT_CONTACT;
     duet_motion *motion = kept(duet_motion_create(&def, poses, NULL, 3, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, NULL, 0);
@@ -208,7 +208,7 @@ TEST(a_set_joined_with_itself_has_a_worlds_pairs)
         }
     duet_world_def def = duet_default_world_def();
     duet_result result;
-    def.pair = devices;
+    def.pair = default_pair();
     duet_world *world = create_world_of(&def, DUET_OBJECT_POSES, poses, N);
     must(duet_world_step(world, &result, ERR));
     duet_tree *tree = open_tree(3, DUET_SHARE_ONE / 3, poses, N);
@@ -243,5 +243,3 @@ TEST(what_is_no_box_is_refused_by_its_number)
     assert_int_equal(join_boxes(query, DUET_OBJECT_POSES, asked, 2).n_hits, 2);
     assert_int_equal(join_boxes(query, DUET_OBJECT_POSES, NULL, 0).n_hits, 0);
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -126,7 +126,7 @@ static duet_tree *open_far_tree(uint32_t dims, uint32_t share, const duet_large_
                                 uint32_t n)
 {
     duet_tree_def def = duet_default_tree_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.dims = dims;
     def.share = share;
     def.origin_edge = EDGE;
@@ -460,7 +460,7 @@ TEST(bodies_of_a_motion_are_seen_where_they_are)
     answer seen[2];
     for (int i = 0; i < 2; ++i) {
         duet_motion_def def = duet_default_motion_def();
-        def.pair = devices;
+        def.pair = default_pair();
         def.origin_edge = EDGE;
         def.gravity[2] = -9.81;
         for (int k = 0; k < 3; ++k)
@@ -488,7 +488,7 @@ TEST(a_motion_with_other_cells_is_refused)
 {
     const duet_pose box = {{0}, {1, 1, 1}, {0, 0, 0, 1}};
     duet_motion_def def = duet_default_motion_def();
-    def.pair = devices;
+    def.pair = default_pair();
     duet_motion *motion = kept(duet_motion_create(&def, &box, NULL, 1, ERR));
     duet_tree *tree = open_far_tree(3, 0, NULL, 0);
     must_fail(duet_tree_set_motion(tree, motion, ERR), DUET_STATUS_BAD_ARGUMENT,
@@ -521,7 +521,7 @@ TEST(an_edge_that_is_none_is_refused)
 {
     const float edges[] = {3, -1, NAN, 0x1p70f, 0x1p-101f};
     duet_tree_def def = duet_default_tree_def();
-    def.pair = devices;
+    def.pair = default_pair();
     for (size_t i = 0; i < sizeof edges / sizeof *edges; ++i) {
         def.origin_edge = edges[i];
         must_fail(duet_tree_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "origin_edge");
@@ -530,5 +530,3 @@ TEST(an_edge_that_is_none_is_refused)
     def.shape = DUET_SHAPE_SPHERES;
     must_fail(duet_tree_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, "origin cells are for poses");
 }
-
-TEST_MAIN(open_devices, close_devices)

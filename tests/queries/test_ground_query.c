@@ -727,5 +727,3 @@ TEST(a_filter_of_nothing_finds_no_ground_and_bad_grounds_are_refused)
     must_fail(duet_tree_set_heights(tree, &f->heights, ERR), DUET_STATUS_BAD_ARGUMENT,
               "the ground's origin is 1e+30 along y");
 }
-
-TEST_MAIN(open_devices, close_devices)

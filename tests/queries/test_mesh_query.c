@@ -611,5 +611,3 @@ TEST(meshes_that_no_tree_can_have_are_refused)
     must_fail(duet_tree_set_mesh(tree, &s->mesh, ERR), DUET_STATUS_BAD_ARGUMENT,
               "triangle 1 of the mesh has the vertex 900");
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -250,5 +250,3 @@ TEST(fewer_boxes_than_asked_for_are_no_error)
     set_poses(tree, NULL, 0);
     assert_true(seek_points(query, points, 1).hits[0].id == DUET_NO_OBJECT);
 }
-
-TEST_MAIN(open_devices, close_devices)

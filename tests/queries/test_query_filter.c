@@ -252,7 +252,7 @@ TEST(bodies_of_a_motion_bring_their_filters)
         bodies[i].mask = s->filters[i].mask;
     }
     duet_motion_def def = duet_default_motion_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.wants = DUET_EFFECT_CONTACT;
     duet_motion *motion = kept(duet_motion_create(&def, s->poses, bodies, BOXES, ERR));
     duet_tree *tree = open_tree(3, 0, NULL, 0);
@@ -297,5 +297,3 @@ TEST(kernels_without_a_filter_have_no_word_of_it)
         assert_true(i == 2 || !has_word(kernels[i], 0, "filter")); // boxes have them with ITSELF
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

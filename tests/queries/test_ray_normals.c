@@ -302,7 +302,7 @@ TEST(a_scene_moved_by_whole_cells_has_the_same_normals)
     for (int away = 0; away < 2; ++away) {
         const int32_t cell[3] = {away * 900000000, 0, -away * 123456789};
         duet_tree_def def = duet_default_tree_def();
-        def.pair = devices;
+        def.pair = default_pair();
         def.origin_edge = 4;
         duet_tree *tree = kept(duet_tree_create(&def, ERR));
         for (int i = 0; i < BOXES; ++i) {
@@ -339,5 +339,3 @@ TEST(any_hit_has_no_normal)
     duet_ray_query *query = open_ray_query(tree, DUET_QUERY_CLOSEST, true);
     assert_null(cast_rays(query, NULL, 0).normals);
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -355,7 +355,7 @@ TEST(rays_meet_bodies_where_they_are)
     duet_motion_def def = duet_default_motion_def();
     duet_motion *asked[2];
     duet_motion_result result;
-    def.pair = devices;
+    def.pair = default_pair();
     def.gravity[2] = -10;
     for (int i = 0; i < 2; ++i)
         asked[i] = kept(duet_motion_create(&def, &start, NULL, 1, ERR));
@@ -398,7 +398,7 @@ static duet_motion *drop_boxes(bool doubles, bool contact)
                                {between(&r, -1, 1), between(&r, -1, 1), 0.5f, 1}};
         bodies[i] = duet_default_body();
     }
-    def.pair = devices;
+    def.pair = default_pair();
     def.doubles = doubles;
     def.gravity[2] = -10;
     def.wants = contact ? DUET_EFFECT_CONTACT_RESPONSE : 0;
@@ -490,7 +490,7 @@ TEST(a_motion_that_no_tree_takes_is_refused)
     duet_motion_def def = duet_default_motion_def();
     const duet_pose far[2] = {{{0, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}},
                               {{0x1p101f, 0, 0}, {1, 1, 1}, {0, 0, 0, 1}}};
-    def.pair = devices;
+    def.pair = default_pair();
     def.wants = DUET_EFFECT_CONTACT;
     duet_motion *motion = kept(duet_motion_create(&def, far, NULL, 2, ERR));
     duet_tree *bounds = open_bounds_tree(3, 0, NULL, 0), *flat = open_tree(2, 0, NULL, 0);
@@ -657,5 +657,3 @@ TEST(what_is_no_ray_or_box_is_refused_by_its_number)
     const duet_ray ray = {{0, 0, -5}, {0, 0, 1}, INFINITY};
     assert_int_equal(cast_rays(query, &ray, 1).hits[0].id, DUET_NO_OBJECT);
 }
-
-TEST_MAIN(open_devices, close_devices)

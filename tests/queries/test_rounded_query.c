@@ -365,7 +365,7 @@ static duet_motion *open_motion(const world *w, uint32_t wants, bool doubles)
         bodies[i].radius = w->boxes[i].radius;
         bodies[i].velocity[i % 3] = 1.0f / 8;
     }
-    def.pair = devices;
+    def.pair = default_pair();
     def.doubles = doubles;
     def.wants = wants;
     return kept(duet_motion_create(&def, poses, bodies, BOXES, ERR));
@@ -446,7 +446,7 @@ TEST(the_def_of_a_motion_makes_a_tree_that_takes_it)
     for (uint32_t i = 0; i < 16; ++i) {
         bool round = i & 1, wants = i & 2, flat = i & 4, cells = i & 8;
         duet_motion_def def = duet_default_motion_def();
-        def.pair = devices;
+        def.pair = default_pair();
         def.dims = flat ? 2 : 3;
         def.wants = wants ? DUET_EFFECT_RADIUS : 0;
         def.origin_edge = cells ? 4 : 0;
@@ -497,5 +497,3 @@ TEST(what_is_no_rounded_box_is_refused)
     must_fail(duet_tree_set_objects(tree, DUET_OBJECT_POSES, boxes, 3, ERR),
               DUET_STATUS_BAD_ARGUMENT, "the tree is of rounded boxes");
 }
-
-TEST_MAIN(open_devices, close_devices)

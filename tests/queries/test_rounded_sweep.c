@@ -400,5 +400,3 @@ TEST(what_is_no_sweep_of_the_shape_is_refused)
     must_fail(duet_sweep_query_run(query, DUET_OBJECT_POSES, sweeps, 2, &found, ERR),
               DUET_STATUS_BAD_ARGUMENT, "the tree is of rounded boxes");
 }
-
-TEST_MAIN(open_devices, close_devices)

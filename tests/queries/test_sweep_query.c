@@ -298,5 +298,3 @@ TEST(what_is_no_sweep_is_refused_by_its_number)
                   DUET_STATUS_BAD_OBJECT, "sweep 2:");
     }
 }
-
-TEST_MAIN(open_devices, close_devices)

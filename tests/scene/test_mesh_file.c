@@ -225,5 +225,3 @@ TEST(a_scene_with_a_wrong_mesh_is_refused_in_a_line)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         must_fail(scene_with(cases[i][0], ERR), ANY_FAILURE, cases[i][1]);
 }
-
-TEST_MAIN(NULL, NULL)

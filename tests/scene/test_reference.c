@@ -173,5 +173,3 @@ TEST(a_scene_gives_the_pairs_of_its_objects)
     assert_memory_equal(pairs, found.pairs, n * sizeof *pairs);
     duet_free(pairs);
 }
-
-TEST_MAIN(NULL, NULL)

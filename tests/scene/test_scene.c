@@ -295,5 +295,3 @@ TEST(the_documents_examples_are_read)
     assert_int_equal(read_examples(document.chars, "csv"), 1);
     assert_int_equal(read_examples(document.chars, "lua"), 6);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -304,10 +304,8 @@ TEST(settings_take_the_place_of_defaults)
 {
     const duet_setting settings[] = {
         {"n", "1e1"}, {"size", "3"}, {"turned", "true"}, {"label", "b c"}};
-    duet_error err = {0};
     duet_scene *scene =
-        scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), settings, 4, &err);
-    assert_ok(scene, err);
+        must(scene_from_bytes(FILE_NAME, PARAMETERS, strlen(PARAMETERS), settings, 4, ERR));
     const duet_scene_info *info = duet_scene_get_info(scene);
     assert_int_equal(info->n, 10);
     assert_true(info->rotated);
@@ -587,5 +585,3 @@ TEST(changed_bytes_are_read_or_refused)
         assert_scene_or_line(bytes, sizeof bytes - 1);
     }
 }
-
-TEST_MAIN(NULL, NULL)

@@ -68,10 +68,8 @@ TEST(a_file_without_rows_is_a_scene_without_objects)
 
 TEST(a_number_is_rounded_to_the_nearest_float)
 {
-    duet_error err = {0};
-    duet_scene *scene =
-        scene_from_text(FILE_NAME, "0.1,1e-46,16777217,3.40282346e38,0.30000001192092896", &err);
-    assert_ok(scene, err);
+    duet_scene *scene = must(
+        scene_from_text(FILE_NAME, "0.1,1e-46,16777217,3.40282346e38,0.30000001192092896", ERR));
     const duet_pose *pose = duet_scene_get_objects(scene, DUET_OBJECT_POSES);
     assert_true(pose->centre[0] == 0.1f && pose->centre[1] == 0.0f);
     assert_true(pose->half_extents[0] == 16777216.0f && pose->half_extents[1] == 0x1.fffffep127f);
@@ -188,5 +186,3 @@ TEST(changed_bytes_are_read_or_refused)
         assert_scene_or_line(bytes, sizeof bytes - 1);
     }
 }
-
-TEST_MAIN(NULL, NULL)

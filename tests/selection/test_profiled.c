@@ -304,14 +304,12 @@ static const char scene_text[] = "local random = random(3)\n"
 
 static void put_for_scene(const char *path)
 {
-    duet_error err = {0};
     duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
     duet_scene *scene = kept(duet_scene_load(SCENE, NULL, 0, ERR));
     duet_world_def def = duet_scene_world_def(scene, pair);
-    duet_world *world = duet_world_create(&def, &err);
-    must(world && duet_world_set_scene(world, scene, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
+    must(duet_world_set_scene(world, scene, ERR));
     put_for(path, world, NULL);
-    duet_world_destroy(world);
 }
 
 static cJSON *ask_why(const char *path)
@@ -406,14 +404,13 @@ TEST(why_and_run_say_that_no_figure_is_known)
 
 // ------------------------------------------------------------ queries
 
-static duet_tree *make_tree(const fixture *f, duet_error *err)
+static duet_tree *make_tree(const fixture *f)
 {
     duet_tree_def def = duet_default_tree_def();
     def.pair = f->pair;
     def.share = 0;
-    duet_tree *tree = duet_tree_create(&def, err);
-    assert_ok(tree, *err);
-    assert_ok(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f->poses, f->n, err), *err);
+    duet_tree *tree = kept(duet_tree_create(&def, ERR));
+    must(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f->poses, f->n, ERR));
     return tree;
 }
 
@@ -432,8 +429,7 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     enum { RAYS = 640, SHARE = 3 * DUET_SHARE_ONE / 8 };
     test_folder folder = test_folder_make();
     fixture f = make_world(1000, test_seed(), 0, "auto");
-    duet_error err = {0};
-    duet_tree *tree = make_tree(&f, &err);
+    duet_tree *tree = make_tree(&f);
     profile_subject subject;
     query_name name;
     must(query_name_read("rays", &name, ERR));
@@ -452,8 +448,8 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     duet_ray rays[RAYS] = {0};
     closest.tree = any.tree = tree;
     any.wants = DUET_QUERY_ANY;
-    duet_ray_query *tuned = must(duet_ray_query_create(&closest, ERR));
-    duet_ray_query *other = must(duet_ray_query_create(&any, ERR));
+    duet_ray_query *tuned = kept(duet_ray_query_create(&closest, ERR));
+    duet_ray_query *other = kept(duet_ray_query_create(&any, ERR));
     must(duet_ray_query_run(other, rays, RAYS, &result, ERR));
     assert_true(result.device_ms[0] == 0 && result.device_ms[1] > 0);
     must(duet_ray_query_run(tuned, rays, RAYS, &result, ERR));
@@ -465,12 +461,8 @@ TEST(a_query_takes_its_profile_and_others_keep_their_share)
     // A plan that no race has spoken for, or was measured with other kernels, is not followed.
     test_store_run(folder.store, "UPDATE profile SET kernels = 'other'");
     assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_STALE);
-    assert_int_equal(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f.poses, 4 * f.n / 10, &err),
-                     true);
+    must(duet_tree_set_objects(tree, DUET_OBJECT_POSES, f.poses, 4 * f.n / 10, ERR));
     assert_int_equal(load_query(tree, "rays closest", RAYS, folder.store, 0), DUET_GRADE_DEFAULT);
-    duet_ray_query_destroy(tuned);
-    duet_ray_query_destroy(other);
-    duet_tree_destroy(tree);
 }
 
 TEST(names_of_queries_are_read_as_they_are_written)
@@ -501,5 +493,3 @@ TEST(names_of_queries_are_read_as_they_are_written)
             fail_msg("'%s' is no query", wrong[i]);
     }
 }
-
-TEST_MAIN(NULL, NULL)

@@ -30,7 +30,7 @@ static void create(mover *m)
 
 static duet_plan plan_with(const char *settings)
 {
-    duet_plan plan = duet_default_plan(mover_pair());
+    duet_plan plan = duet_default_plan(default_pair());
     snprintf(plan.variant_b, sizeof plan.variant_b, "auto %s", settings);
     plan.share = DUET_SHARE_ONE / 4;
     plan.mode = DUET_MODE_OWN;
@@ -161,7 +161,7 @@ TEST(a_plans_skin_changes_how_often_pairs_are_searched_and_no_bit)
     assert_true(mover_hash(m) == hash);
     assert_true(m->motion->def.skin == 0.05);
     m->def.skin = 0;
-    m->def.plan = duet_default_plan(mover_pair());
+    m->def.plan = duet_default_plan(default_pair());
     create(m);
     must_fail(duet_motion_set_plan(m->motion, &thick, ERR), DUET_STATUS_BAD_ARGUMENT,
               "motion.skin=80; expected a motion whose def has a skin");
@@ -216,7 +216,7 @@ TEST(a_motion_without_contact_takes_the_kernels_alone)
 static duet_world *make_world(const mover *m)
 {
     duet_world_def def = duet_default_world_def();
-    def.pair = mover_pair();
+    def.pair = default_pair();
     duet_world *world = kept(duet_world_create(&def, ERR));
     must(duet_world_set_objects(world, DUET_OBJECT_POSES, m->poses, m->n, ERR));
     return world;
@@ -286,5 +286,3 @@ TEST(what_nothing_happens_to_has_no_profile)
         mover_add_cube(m, 0, 0, 0, 1);
     }
 }
-
-TEST_MAIN(mover_open_pair, mover_close_pair)

@@ -14,26 +14,16 @@ static const char task_text[] =
 
 static duet_device_pair *pair;
 
-static int open_pair(void **state)
+static void open_pair(void)
 {
-    (void)state;
-    pair = must(duet_device_pair_open(NULL, ERR));
-    return 0;
+    pair = kept(duet_device_pair_open(NULL, ERR));
 }
 
-static int close_pair(void **state)
+static void begin(void)
 {
-    (void)state;
-    duet_device_pair_destroy(pair);
-    return 0;
-}
-
-static int begin(void **state)
-{
-    int code = test_enter_folder(state);
+    test_enter_folder();
     task_files_write(".", "twice", "const int *x\nint *y\n", "y[i] = 2 * x[i];");
     test_write_file("twice.task.lua", task_text);
-    return code;
 }
 
 static duet_task *create(const char *n)
@@ -52,14 +42,13 @@ static void put(const char *n, double share, const char *variant)
 {
     const duet_setting setting = {"n", n};
     profile_subject p;
-    duet_task_file *file = must(duet_task_file_load("twice.task.lua", &setting, 1, ERR));
+    duet_task_file *file = kept(duet_task_file_load("twice.task.lua", &setting, 1, ERR));
     must(profile_subject_read_task(file, pair, &p, ERR));
     duet_plan plan = {.share = (uint32_t)(share * DUET_SHARE_ONE), .mode = DUET_MODE_OWN};
     strcpy(plan.variant_a, variant);
     strcpy(plan.variant_b, variant);
     profile_plan stored = profile_subject_write_plan(&plan, p.workload.level);
     test_store_plan("store.db", &p.pair, &p.workload, p.kernels, &stored);
-    duet_task_file_destroy(file);
 }
 
 static duet_profile load(duet_task *t)
@@ -169,4 +158,4 @@ TEST(a_store_that_cannot_be_read_leaves_a_task_that_runs)
 }
 
 TEST_EACH(begin, NULL)
-TEST_MAIN(open_pair, close_pair)
+TEST_BEGIN(open_pair)

@@ -6,18 +6,6 @@
 #include "runtime/opencl/device_list.h"
 #include "runtime/opencl/device_pair.h"
 
-duet_device_pair *devices;
-
-duet_device_pair *open_pair(const char *a, const char *b)
-{
-    duet_device_pair_def def = duet_default_device_pair_def();
-    if (a) {
-        def.a = a;
-        def.b = b;
-    }
-    return must(duet_device_pair_create(&def, ERR));
-}
-
 duet_device_pair *open_copying(bool copies)
 {
     duet_device_pair *pair = kept(duet_device_pair_open(NULL, ERR));
@@ -55,7 +43,7 @@ duet_world *create_world_of(const duet_world_def *def, duet_object_kind kind, co
 duet_world_def devices_def(uint32_t dims)
 {
     duet_world_def def = duet_default_world_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.dims = dims;
     return def;
 }
@@ -187,21 +175,6 @@ known_pairs known_pairs_of(duet_object_kind kind, const void *objects, uint32_t 
     return known;
 }
 
-int open_devices(void **state)
-{
-    (void)state;
-    devices = open_pair(NULL, NULL);
-    return 0;
-}
-
-int close_devices(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(devices);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
 bool devices_are_two(void)
 {
     duet_device_pair *pair = must(duet_device_pair_open(NULL, ERR));
@@ -222,7 +195,7 @@ void devices_seem_gpus(bool seem)
 {
     static duet_device_info own[2];
     for (int side = 0; side < 2; ++side) {
-        duet_device_info *info = &devices->devices[side].info;
+        duet_device_info *info = &default_pair()->devices[side].info;
         if (seem && info->kind != DUET_KIND_GPU) {
             own[side] = *info;
             info->kind = DUET_KIND_GPU;

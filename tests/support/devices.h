@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The default device pair, open while a group's tests run.
+// Worlds on the default device pair, and what the reference finds.
 #ifndef TESTS_DEVICES_H
 #define TESTS_DEVICES_H
 
@@ -7,15 +7,7 @@
 #include "runtime/duet.h"
 #include "runtime/scene/reference.h"
 
-extern duet_device_pair *devices;
-
-// The group's setup, and its teardown, after which no OpenCL object may be left.
-int open_devices(void **state);
-int close_devices(void **state);
-
-// Fail the test if they cannot be made. a NULL: the pair of the tests' environment. The caller
-// destroys the pair; the world lasts until the test ends.
-duet_device_pair *open_pair(const char *a, const char *b);
+// Fail the test if it cannot be made; it lasts until the test ends.
 duet_world *create_world(const duet_world_def *def);
 
 // The default pair, which the test keeps. copies: its devices seem to have memory of their own.

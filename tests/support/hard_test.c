@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "support/hard_test.h"
 
+#include "support/devices.h"
 #include "support/hard_pairs.h"
 #include "support/promise.h"
 #include "support/test.h"
@@ -9,7 +10,6 @@
 #include "runtime/narrowphase/narrow.h"
 
 typedef struct crowd {
-    duet_device_pair *devices;
     uint32_t dims;
     uint64_t n;
     int each;             // pairs of a class
@@ -72,13 +72,12 @@ static void let_go(crowd *c)
 
 // ------------------------------------------------------------ asking
 
-void hard_test_answers(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
-                       const duet_pose *poses, uint64_t n, uint8_t *answers,
-                       duet_pair_query_result *result)
+void hard_test_answers(duet_level level, uint32_t dims, uint32_t share, const duet_pose *poses,
+                       uint64_t n, uint8_t *answers, duet_pair_query_result *result)
 {
     duet_pair_query_result ignored;
     duet_pair_query_def def = duet_default_pair_query_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.share = share;
     def.level = level;
     def.dims = dims;
@@ -129,19 +128,19 @@ static void judge(const crowd *c, duet_level level)
 static void compare(crowd *c, duet_level level, uint32_t share, const duet_pose *poses,
                     const char *how)
 {
-    hard_test_answers(c->devices, level, c->dims, share, poses, c->n, c->others, NULL);
+    hard_test_answers(level, c->dims, share, poses, c->n, c->others, NULL);
     for (uint64_t i = 0; i < c->n; ++i)
         if (c->others[i] != c->answers[i])
             fail_at(c, level, i, how);
 }
 
-void hard_test_run(duet_device_pair *devices, uint32_t dims, int each)
+void hard_test_run(uint32_t dims, int each)
 {
-    crowd c = {.devices = devices, .dims = dims, .each = each};
+    crowd c = {.dims = dims, .each = each};
     gather(&c);
     for (int l = 0; l < DUET_LEVELS; ++l) {
         duet_level level = (duet_level)l;
-        hard_test_answers(devices, level, dims, 0, c.poses, c.n, c.answers, NULL);
+        hard_test_answers(level, dims, 0, c.poses, c.n, c.answers, NULL);
         judge(&c, level);
         compare(&c, level, DUET_SHARE_ONE, c.poses, "is another on A");
         compare(&c, level, DUET_SHARE_ONE / 3, c.exchanged, "is another with the poses exchanged");

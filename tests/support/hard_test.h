@@ -9,11 +9,10 @@
 // at once, as they are, exchanged, and with -q for q. Each answer must be what
 // the level promises, what its specification in C says, and everywhere the same;
 // else a line is printed that repeats the pair, and the test fails.
-void hard_test_run(duet_device_pair *devices, uint32_t dims, int each);
+void hard_test_run(uint32_t dims, int each);
 
 // One level's answers of n pairs; A has the share.
-void hard_test_answers(duet_device_pair *devices, duet_level level, uint32_t dims, uint32_t share,
-                       const duet_pose *poses, uint64_t n, uint8_t *answers,
-                       duet_pair_query_result *result);
+void hard_test_answers(duet_level level, uint32_t dims, uint32_t share, const duet_pose *poses,
+                       uint64_t n, uint8_t *answers, duet_pair_query_result *result);
 
 #endif

@@ -41,9 +41,7 @@ void look_assert_why(store *s, const profile_request *request, const char *says)
 
 profile_found look_in_files(const char *user, const char *system, uint64_t n)
 {
-    profile_pair pair = test_pair();
-    profile_workload workload = test_workload(n);
-    profile_request request = test_request(&pair, &workload);
+    profile_request request = test_usual_request(n);
     profile_found found;
     must(profile_lookup_files(user, system, &request, &found, NULL, ERR));
     return found;

@@ -2,30 +2,6 @@
 #include "support/mover.h"
 #include "support/test.h"
 
-#include "runtime/opencl/device.h"
-
-static duet_device_pair *pair;
-
-int mover_open_pair(void **state)
-{
-    (void)state;
-    pair = must(duet_device_pair_open(NULL, ERR));
-    return 0;
-}
-
-int mover_close_pair(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(pair);
-    assert_int_equal(device_live_objects(), 0);
-    return 0;
-}
-
-duet_device_pair *mover_pair(void)
-{
-    return pair;
-}
-
 void mover_restart(mover *m)
 {
     duet_motion_destroy(m->motion);
@@ -44,8 +20,8 @@ mover *mover_new(uint32_t dims)
     assert_non_null(m);
     test_keep(m, give_back);
     m->def = duet_default_motion_def();
-    m->def.pair = pair;
-    m->def.plan = duet_default_plan(pair);
+    m->def.pair = default_pair();
+    m->def.plan = duet_default_plan(m->def.pair);
     m->def.dims = dims;
     return m;
 }

@@ -17,13 +17,7 @@ typedef struct mover {
     duet_state states[MOVER_MOST]; // the bodies as mover_run left them
 } mover;
 
-// One device pair for all tests of a program: group setup, and teardown, which
-// asserts that no object of OpenCL is left.
-int mover_open_pair(void **state);
-int mover_close_pair(void **state);
-duet_device_pair *mover_pair(void);
-
-// An empty mover, in 2D or 3D, which lasts until the test ends or mover_free.
+// An empty mover on the default pair, in 2D or 3D, which lasts until the test ends or mover_free.
 mover *mover_new(uint32_t dims);
 void mover_free(mover *m);
 

@@ -5,6 +5,20 @@
 
 own_program own;
 
+// Fails if somebody else holds its queues.
+static void close_program(void *nothing)
+{
+    (void)nothing;
+    for (int i = 0; i < 2; ++i) {
+        clFinish(own.queues[i]);
+        assert_int_equal(own_queue_references(i), 1);
+        clReleaseCommandQueue(own.queues[i]);
+    }
+    clReleaseContext(own.context);
+    for (int i = 0; own.cut && i < 2; ++i)
+        clReleaseDevice(own.ids[i]);
+}
+
 void own_program_open(void)
 {
     const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
@@ -22,18 +36,7 @@ void own_program_open(void)
         own.queues[i] = clCreateCommandQueue(own.context, own.ids[i], 0, NULL);
         assert_non_null(own.queues[i]);
     }
-}
-
-void own_program_close(void)
-{
-    for (int i = 0; i < 2; ++i) {
-        clFinish(own.queues[i]);
-        assert_int_equal(own_queue_references(i), 1);
-        clReleaseCommandQueue(own.queues[i]);
-    }
-    clReleaseContext(own.context);
-    for (int i = 0; own.cut && i < 2; ++i)
-        clReleaseDevice(own.ids[i]);
+    test_keep(&own, close_program);
 }
 
 static void release(void *mem)

@@ -14,8 +14,7 @@ typedef struct own_program {
 
 extern own_program own;
 
-void own_program_open(void);
-void own_program_close(void); // fails unless nobody else holds its queues
+void own_program_open(void); // which the tests keep
 
 // A buffer that the test keeps; bytes NULL: nothing is written into it.
 cl_mem own_buffer(const void *bytes, size_t size, cl_mem_flags flags);

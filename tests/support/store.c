@@ -129,6 +129,15 @@ profile_request test_request(const profile_pair *pair, const profile_workload *w
     return request;
 }
 
+profile_request test_usual_request(uint64_t n)
+{
+    static profile_pair pair;
+    static profile_workload workload;
+    pair = test_pair();
+    workload = test_workload(n);
+    return test_request(&pair, &workload);
+}
+
 double test_time(int device, uint64_t n, double share)
 {
     double part = device == 0 ? share : 1 - share;

@@ -30,6 +30,7 @@ profile_workload test_workload(uint64_t n); // at constant density
 profile_session test_session(int64_t pair_id, int64_t workload_id);
 profile_plan test_plan(double share);
 profile_request test_request(const profile_pair *pair, const profile_workload *workload);
+profile_request test_usual_request(uint64_t n); // of test_pair for test_workload(n)
 
 // A trial at `share` with `n_samples` launches about what the two devices of
 // test_time take; `samples` holds them.

@@ -25,7 +25,7 @@ enum { MOST_TESTS = 64 };
 static struct CMUnitTest tests[MOST_TESTS]; // CMocka passes over those without a name
 static int lines[MOST_TESTS];               // ascending
 static int n_tests;
-static CMFixtureFunction each_begin, each_end;
+void (*test_begin)(void), (*test_each_begin)(void), (*test_each_end)(void);
 
 void test_add(const char *name, CMUnitTestFunction test, int line)
 {
@@ -40,12 +40,6 @@ void test_add(const char *name, CMUnitTestFunction test, int line)
     lines[at] = line;
 }
 
-void test_each(CMFixtureFunction begin, CMFixtureFunction end)
-{
-    each_begin = begin;
-    each_end = end;
-}
-
 static char own_folder[] = "/tmp/duet_test.XXXXXX";
 
 void test_make_folder(char path[64])
@@ -54,37 +48,45 @@ void test_make_folder(char path[64])
     assert_non_null(mkdtemp(path));
 }
 
-int test_enter_folder(void **state)
+void test_enter_folder(void)
 {
     char path[64];
-    (void)state;
     test_make_folder(path);
-    return chdir(path);
+    assert_int_equal(chdir(path), 0);
 }
 
-int test_leaves_no_object(void **state)
+void test_leaves_no_object(void)
 {
-    (void)state;
     assert_int_equal(device_live_objects(), 0);
-    return 0;
 }
 
-// The things that the running test was given, the latest first.
+// Things that were given to the running test, or to all, the latest first.
 typedef struct kept {
     void *thing;
     void (*back)(void *thing);
     struct kept *next;
 } kept;
 
-static kept *all_kept;
+static kept *by_all, *by_test;
+static kept **keeping = &by_all; // until the first test begins
 
-void *test_keep(void *thing, void (*back)(void *thing))
+static void *keep(kept **by, void *thing, void (*back)(void *thing))
 {
     kept *k = malloc(sizeof *k);
     assert_non_null(k);
-    *k = (kept){thing, back, all_kept};
-    all_kept = k;
+    *k = (kept){thing, back, *by};
+    *by = k;
     return thing;
+}
+
+void *test_keep(void *thing, void (*back)(void *thing))
+{
+    return keep(keeping, thing, back);
+}
+
+void *test_keep_for_all(void *thing, void (*back)(void *thing))
+{
+    return keep(&by_all, thing, back);
 }
 
 static void give_back_first(kept **at)
@@ -97,7 +99,7 @@ static void give_back_first(kept **at)
 
 void test_give_back(void *thing)
 {
-    kept **at = &all_kept;
+    kept **at = keeping;
     while (*at && (*at)->thing != thing)
         at = &(*at)->next;
     assert_non_null(*at);
@@ -124,6 +126,15 @@ void test_script_back(void *made)
 void test_store_back(void *made)
 {
     store_close(made);
+}
+
+duet_device_pair *default_pair(void)
+{
+    static duet_device_pair *pair;
+    if (!pair)
+        pair =
+            test_keep_for_all(must(duet_device_pair_open(NULL, ERR)), test_duet_device_pair_back);
+    return pair;
 }
 
 void *test_alloc(size_t bytes)
@@ -154,18 +165,34 @@ void test_assert_says(const char *chars, const char *const *list, const char *fi
         }
 }
 
+static int begin_all(void **state)
+{
+    (void)state;
+    if (test_begin)
+        test_begin();
+    keeping = &by_test;
+    return 0;
+}
+
 static int begin_test(void **state)
 {
     static int n_begun;
+    (void)state;
     test_running = tests[n_begun++].name;
-    return chdir(own_folder) == 0 && (!each_begin || each_begin(state) == 0) ? 0 : -1;
+    assert_int_equal(chdir(own_folder), 0);
+    if (test_each_begin)
+        test_each_begin();
+    return 0;
 }
 
 static int end_test(void **state)
 {
-    while (all_kept)
-        give_back_first(&all_kept);
-    return each_end ? each_end(state) : 0;
+    (void)state;
+    while (by_test)
+        give_back_first(&by_test);
+    if (test_each_end)
+        test_each_end();
+    return 0;
 }
 
 static int remove_one(const char *path, const struct stat *info, int type, struct FTW *at)
@@ -174,8 +201,24 @@ static int remove_one(const char *path, const struct stat *info, int type, struc
     return remove(path);
 }
 
-int test_run(CMFixtureFunction begin, CMFixtureFunction end)
+static int n_arguments;
+static char **arguments;
+
+const char *test_argument(int place)
 {
+    return place < n_arguments ? arguments[place] : NULL;
+}
+
+bool test_takes_all(void)
+{
+    const char *first = test_argument(1);
+    return first && strcmp(first, "--all") == 0;
+}
+
+int test_run(int argc, char **argv)
+{
+    n_arguments = argc;
+    arguments = argv;
     for (int i = 0; i < n_tests; ++i) {
         tests[i].setup_func = begin_test;
         tests[i].teardown_func = end_test;
@@ -183,9 +226,14 @@ int test_run(CMFixtureFunction begin, CMFixtureFunction end)
     setvbuf(stdout, NULL, _IOLBF, 0); // a crash leaves nothing unsaid
     if (!mkdtemp(own_folder) || chmod(own_folder, 0755) != 0 || chdir(own_folder) != 0)
         abort();
-    int n_failed = cmocka_run_group_tests(tests, begin, end);
+    int n_failed = cmocka_run_group_tests(tests, begin_all, NULL);
+    while (by_all)
+        give_back_first(&by_all);
+    const int left = device_live_objects();
+    if (left > 0)
+        print_error("%d OpenCL objects are left\n", left);
     nftw(own_folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
-    return n_failed;
+    return n_failed + (left > 0);
 }
 
 static uint64_t seed_of_run(void)
@@ -201,21 +249,9 @@ uint64_t test_seed(void)
     return seed;
 }
 
-static bool takes_all;
-
-bool test_takes_all(void)
-{
-    return takes_all;
-}
-
-void test_begin(int argc, char **argv)
-{
-    takes_all = argc > 1 && strcmp(argv[1], "--all") == 0;
-}
-
 bool test_takes(uint64_t way, unsigned of)
 {
-    return takes_all || (way + seed_of_run()) % of == 0;
+    return test_takes_all() || (way + seed_of_run()) % of == 0;
 }
 
 void test_write_file(const char *path, const char *content)

@@ -32,34 +32,35 @@
 
 void test_add(const char *name, CMUnitTestFunction test, int line);
 
-// Names what is called before and after each test of the program; either may be NULL.
+// Names what is called before all tests of the program. What it keeps lasts until all have ended.
+#define TEST_BEGIN(begin)                                    \
+    __attribute__((constructor)) static void set_begin(void) \
+    {                                                        \
+        test_begin = begin;                                  \
+    }
+
+// Names what is called before and after each of them; either may be NULL.
 #define TEST_EACH(begin, end)                               \
     __attribute__((constructor)) static void set_each(void) \
     {                                                       \
-        test_each(begin, end);                              \
+        test_each_begin = begin;                            \
+        test_each_end = end;                                \
     }
 
-void test_each(CMFixtureFunction begin, CMFixtureFunction end);
+extern void (*test_begin)(void), (*test_each_begin)(void), (*test_each_end)(void);
 
-// Runs the program's tests, with begin before all of them and end behind. Each starts in the
-// program's folder, which any user may enter; it is removed at the end with all that is left in it.
-// Returns how many failed.
-int test_run(CMFixtureFunction begin, CMFixtureFunction end);
+// Runs the program's tests. Each starts in the program's folder, which any user may enter; it is
+// removed at the end with all that is left in it. Returns how many failed; an OpenCL object that
+// is left then is one more failure.
+int test_run(int argc, char **argv);
 
 extern const char *test_running; // its name; NULL before the first
-
-#define TEST_MAIN(begin, end)        \
-    int main(int argc, char **argv)  \
-    {                                \
-        test_begin(argc, argv);      \
-        return test_run(begin, end); \
-    }
 
 // Makes an empty folder within the program's own; path is absolute.
 void test_make_folder(char path[64]);
 
-int test_enter_folder(void **state);     // one for each test, by TEST_EACH
-int test_leaves_no_object(void **state); // after each, likewise: fails if an OpenCL object is left
+void test_enter_folder(void);     // one for each test, by TEST_EACH
+void test_leaves_no_object(void); // after each, likewise: fails if an OpenCL object is left
 
 // DUET_TEST_SEED where set, else a fixed one; printed, so that a failing run
 // can be repeated.
@@ -67,9 +68,9 @@ uint64_t test_seed(void);
 
 // A test whose kernels are compiled for each of many ways takes one in `of` of them, by the
 // seed; every one with --all, as the label long has it.
-void test_begin(int argc, char **argv);
 bool test_takes(uint64_t way, unsigned of);
 bool test_takes_all(void);
+const char *test_argument(int place); // of the program, from 1; NULL: it has fewer
 
 void test_write_file(const char *path, const char *content);
 struct text
@@ -95,6 +96,7 @@ void skip_without_terminal(void);
 // Gives a thing to the test that runs: when it ends, however it ends, `back` is called with it,
 // after those with what was given later. test_give_back does it now. Returns the thing.
 void *test_keep(void *thing, void (*back)(void *thing));
+void *test_keep_for_all(void *thing, void (*back)(void *thing)); // until all tests have ended
 void test_give_back(void *thing);
 void *test_alloc(size_t bytes); // zeros, which the test keeps
 
@@ -106,7 +108,7 @@ void *test_alloc(size_t bytes); // zeros, which the test keeps
 #define TEST_KINDS(OF)                                                                           \
     OF(duet_box_query) OF(duet_contact_query) OF(duet_device_pair) OF(duet_motion)               \
     OF(duet_pair_query) OF(duet_point_query) OF(duet_ray_query) OF(duet_replay) OF(duet_scene)   \
-    OF(duet_sweep_query) OF(duet_task) OF(duet_tree) OF(duet_world)
+    OF(duet_sweep_query) OF(duet_task) OF(duet_task_file) OF(duet_tree) OF(duet_world)
 // clang-format on
 #define TEST_BACK(kind) void test_##kind##_back(void *made);
 TEST_KINDS(TEST_BACK)
@@ -114,15 +116,11 @@ void test_gen_back(void *made); // these three by ..._close
 void test_script_back(void *made);
 void test_store_back(void *made);
 
+// The pair of the tests' environment: opened when it is first asked for, until all have ended.
+duet_device_pair *default_pair(void);
+
 // How many names there are in the folder one is in.
 int test_count_files(void);
-
-// Fails the test with the error's line where a call did not succeed.
-#define assert_ok(call, err)                                                          \
-    do {                                                                              \
-        if (!(call))                                                                  \
-            fail_msg("%s: %s %s", #call, duet_status_name((err).status), (err).text); \
-    } while (0)
 
 // The value of a call that must succeed, in which ERR stands for the error that it fills:
 //     duet_world *world = must(duet_world_create(&def, ERR));

@@ -7,7 +7,7 @@
 static duet_tree *open_of(duet_shape shape, uint32_t dims, uint32_t share)
 {
     duet_tree_def def = duet_default_tree_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.shape = shape;
     def.dims = dims;
     def.share = share;
@@ -131,7 +131,7 @@ duet_contact_query *open_contact_query(duet_shape shape, uint32_t dims, uint32_t
                                        float margin)
 {
     duet_contact_query_def def = duet_default_contact_query_def();
-    def.pair = devices;
+    def.pair = default_pair();
     def.shape = shape;
     def.dims = dims;
     def.share = share;

@@ -318,4 +318,3 @@ TEST(a_task_that_cannot_be_made_is_one_line)
 }
 
 TEST_EACH(test_enter_folder, test_leaves_no_object)
-TEST_MAIN(NULL, NULL)

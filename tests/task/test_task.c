@@ -17,14 +17,14 @@ static void write_kernel(const char *name, const char *args, const char *body)
 static task *load(const char *lua)
 {
     test_write_file("t.task.lua", lua);
-    return must(task_load("t.task.lua", NULL, 0, ERR));
+    return kept(task_load("t.task.lua", NULL, 0, ERR));
 }
 
 static duet_device_pair *open_halves(void)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = ".";
-    return must(duet_device_pair_create(&def, ERR));
+    return kept(duet_device_pair_create(&def, ERR));
 }
 
 static duet_plan plan_at(double share, const char *variant)
@@ -60,8 +60,6 @@ static void launch_at_shares(const char *lua, const char *kernel_name, bool copi
             }
         }
     task_launcher_close(l);
-    duet_device_pair_destroy(pair);
-    task_destroy(t);
 }
 
 static void launch_everywhere(const char *lua, const char *kernel_name)
@@ -80,8 +78,6 @@ static void expect_open_fails(const char *lua, duet_status status, const char *s
     must_fail((l = task_launcher_open(t, pair, ERR)) && task_launch(l, &plan, &r, ERR), status,
               says);
     task_launcher_close(l);
-    duet_device_pair_destroy(pair);
-    task_destroy(t);
 }
 
 // ---------------------------------------------------------------- launches
@@ -151,8 +147,6 @@ TEST(a_part_of_the_items_is_done_and_checked)
         assert_int_equal(task_launch(l, &plan, &r, &err), !found);
         assert_int_equal(err.status, found ? DUET_STATUS_WRONG_RESULT : DUET_STATUS_OK);
         task_launcher_close(l);
-        duet_device_pair_destroy(pair);
-        task_destroy(t);
     }
 }
 
@@ -481,7 +475,7 @@ TEST(parameters_are_set_from_outside)
                     "local p = parameters{ n = 10, seed = 3 } return { kernel = 'k', items = p.n, "
                     "args = { y = { 'float4', 2 * p.n, access = 'out slice' } }, key = { n = 7 * "
                     "p.n, width = 5, bins = 64 } }");
-    task *t = must(task_load("t.task.lua", &n, 1, ERR));
+    task *t = kept(task_load("t.task.lua", &n, 1, ERR));
     char words[TASK_WORDS];
     task_write_words(t, words);
     assert_string_equal(words, "task k bins=64 width=5");
@@ -489,7 +483,6 @@ TEST(parameters_are_set_from_outside)
     assert_int_equal(t->size, 175);
     assert_int_equal(t->args[0].initial.n, 200);
     assert_int_equal(t->args[0].per_item, 2);
-    task_destroy(t);
     must_fail(task_load("t.task.lua", &other, 1, ERR), DUET_STATUS_BAD_ARGUMENT,
               "no parameter 'm'; the task has n, seed");
 }
@@ -520,4 +513,3 @@ TEST(any_damage_of_a_file_is_refused_or_read)
 }
 
 TEST_EACH(test_enter_folder, NULL)
-TEST_MAIN(NULL, NULL)

@@ -13,21 +13,12 @@ static const double u = 0x1p-24;
 static char folder[512];
 static duet_device_pair *pair;
 
-static int open_pair(void **state)
+static void open_pair(void)
 {
-    (void)state;
     snprintf(folder, sizeof folder, "%s/../../examples/tasks", getenv("DUET_TEST_DATA"));
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = folder;
-    pair = must(duet_device_pair_create(&def, ERR));
-    return 0;
-}
-
-static int close_pair(void **state)
-{
-    (void)state;
-    duet_device_pair_destroy(pair);
-    return 0;
+    pair = kept(duet_device_pair_create(&def, ERR));
 }
 
 static const char *path_of(const char *name)
@@ -54,7 +45,7 @@ static duet_task *open_example(const char *name, const char *n, const char *a, c
 static task *load_example(const char *name, const char *n, const char *seed)
 {
     const duet_setting settings[] = {{"n", n}, {"seed", seed}};
-    return must(duet_task_file_load(path_of(name), settings, 2, ERR));
+    return kept(duet_task_file_load(path_of(name), settings, 2, ERR));
 }
 
 static const task_arg *arg_of(const task *t, const char *name)
@@ -181,7 +172,6 @@ static void expect_sizes(int n, const char *seed)
     print_message("n = %d: sizes %.1f of %.1f\n", n, most, allowed);
     assert_true(most <= allowed);
     assert_true(allowed < 3 * most || n < 100);
-    duet_task_file_destroy(t);
 }
 
 TEST(the_sizes_of_matmuls_products_are_as_its_tolerance_says)
@@ -312,7 +302,6 @@ TEST(a_price_of_black_scholes_is_within_its_roundings)
     double most = 0;
     task *file = load_example("black_scholes", "100", "1");
     double bound = kernels_share(file);
-    duet_task_file_destroy(file);
     duet_task *t = open_example("black_scholes", "4096", "auto", "auto black_scholes.PER_ITEM=16");
     for (int round = 0; round < ROUNDS; ++round) {
         for (int i = 0; i < OPTIONS; ++i)
@@ -325,4 +314,4 @@ TEST(a_price_of_black_scholes_is_within_its_roundings)
     assert_true(most > bound / 1000); // some are off by much more than the usual rounding
 }
 
-TEST_MAIN(open_pair, close_pair)
+TEST_BEGIN(open_pair)

@@ -13,12 +13,17 @@ enum { N = 1003, BINS = 16 };
 
 static cl_context other_context; // of the same device
 
-static int open_program(void **state)
+static void release_context(void *context)
 {
-    (void)state;
+    clReleaseContext(context);
+}
+
+static void open_program(void)
+{
     own_program_open();
     other_context = clCreateContext(NULL, 1, &own.root, NULL, NULL, NULL);
     assert_non_null(other_context);
+    test_keep(other_context, release_context);
     task_files_write(".", "blend",
                      "float a\nconst float *x\nconst float *w\nfloat *y\nfloat *z\n"
                      "uint *bins\n",
@@ -29,15 +34,6 @@ static int open_program(void **state)
                     "'float', n, access = 'slice' }, w = { 'float', 5 }, y = { 'float', n, access "
                     "= 'out slice' }, z = { 'float', n, access = 'in out slice' }, bins = { "
                     "'uint', 16, access = 'sum' } } }");
-    return 0;
-}
-
-static int close_program(void **state)
-{
-    (void)state;
-    clReleaseContext(other_context);
-    own_program_close();
-    return 0;
 }
 
 // ---------------------------------------------------------------- the program's buffers
@@ -174,7 +170,7 @@ static duet_device_pair *open_pair(const char *selector, cl_command_queue a, cl_
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.a = def.b = selector;
-    return must(duet_device_pair_create_on_queues(&def, a, b, ERR));
+    return kept(duet_device_pair_create_on_queues(&def, a, b, ERR));
 }
 
 static void run_on(const char *selector, cl_command_queue a, cl_command_queue b)
@@ -184,7 +180,6 @@ static void run_on(const char *selector, cl_command_queue a, cl_command_queue b)
         for (int side = 0; side < 2; ++side)
             pair->devices[side].info.host_memory &= !copies;
         run_in_buffers(pair);
-        duet_device_pair_destroy(pair);
     }
 }
 
@@ -229,7 +224,6 @@ TEST(a_run_waits_for_events)
     expect_in_buffers(&b, &right);
     duet_task_destroy(t);
     release(&b);
-    duet_device_pair_destroy(pair);
 }
 
 // ---------------------------------------------------------------- what is refused
@@ -255,8 +249,7 @@ TEST(a_wrong_buffer_is_one_line)
     refused(t, "x", read_only, 1, "events is NULL");
     clReleaseMemObject(elsewhere);
     duet_task_destroy(t);
-    duet_device_pair_destroy(pair);
 }
 
 TEST_EACH(NULL, test_leaves_no_object)
-TEST_MAIN(open_program, close_program)
+TEST_BEGIN(open_program)

@@ -42,7 +42,7 @@ static const duet_task_arg_def args[] = {
 
 enum { ARGS = sizeof args / sizeof *args };
 
-static int fill(void **state)
+static void fill(void)
 {
     memset(signs, 0, sizeof signs);
     for (int i = 0; i < N; ++i) {
@@ -51,7 +51,7 @@ static int fill(void **state)
         expected[i] = 3 * x[i] + y[i]; // small whole numbers, which float has exactly
         ++signs[expected[i] > 0];
     }
-    return test_enter_folder(state);
+    test_enter_folder();
 }
 
 static duet_task_def make_def(void)
@@ -124,11 +124,10 @@ static bool launch(const duet_task_def *def, duet_error *err)
 {
     task_result r;
     const duet_plan plan = {.share = DUET_SHARE_ONE / 3, .variant_a = "auto", .variant_b = "auto"};
-    task *t = must(duet_task_file_create(def, ERR));
+    task *t = kept(duet_task_file_create(def, ERR));
     task_launcher *l = task_launcher_open(t, open_copying(false), err);
     bool ok = l && task_launch(l, &plan, &r, err);
     task_launcher_close(l);
-    duet_task_file_destroy(t);
     return ok;
 }
 
@@ -182,8 +181,8 @@ TEST(a_def_means_what_a_file_does)
     def.key = key;
     def.n_key = 3;
     test_write_file("scale.task.lua", file);
-    task *a = must(duet_task_file_load("scale.task.lua", NULL, 0, ERR));
-    task *b = must(duet_task_file_create(&def, ERR));
+    task *a = kept(duet_task_file_load("scale.task.lua", NULL, 0, ERR));
+    task *b = kept(duet_task_file_create(&def, ERR));
     task_write_words(a, of_file);
     task_write_words(b, of_def);
     assert_string_equal(of_file, of_def);
@@ -196,8 +195,6 @@ TEST(a_def_means_what_a_file_does)
         assert_true(f->kind == d->kind && f->access == d->access && f->halo == d->halo &&
                     f->count == d->count && f->per_item == d->per_item && f->value == d->value);
     }
-    duet_task_file_destroy(a);
-    duet_task_file_destroy(b);
 }
 
 // So that what 'duet tune --task' measured of files holds for a program that carries their texts.
@@ -208,15 +205,13 @@ TEST(a_carried_kernel_has_the_hash_of_its_files)
     duet_device_pair *pair = open_copying(false);
     test_write_file("scale.lua", card);
     test_write_file("scale.cl", body);
-    task *carried = must(duet_task_file_create(&def, ERR));
+    task *carried = kept(duet_task_file_create(&def, ERR));
     def.n_kernels = 0;
     def.folder = ".";
-    task *in_folder = must(duet_task_file_create(&def, ERR));
+    task *in_folder = kept(duet_task_file_create(&def, ERR));
     must(task_kernel_hash(carried, pair, of_texts, ERR));
     must(task_kernel_hash(in_folder, pair, of_files, ERR));
     assert_string_equal(of_texts, of_files);
-    duet_task_file_destroy(carried);
-    duet_task_file_destroy(in_folder);
 }
 
 // ---------------------------------------------------------------- what is refused
@@ -335,4 +330,3 @@ TEST(a_kernel_that_is_nowhere_or_wrong_is_one_line)
 }
 
 TEST_EACH(fill, test_leaves_no_object)
-TEST_MAIN(NULL, NULL)

@@ -8,18 +8,16 @@
 
 static char folder[512];
 
-static int find_folder(void **state)
+static void find_folder(void)
 {
-    (void)state;
     snprintf(folder, sizeof folder, "%s/../../examples/tasks", getenv("DUET_TEST_DATA"));
-    return 0;
 }
 
 static duet_device_pair *open_with_examples(void)
 {
     duet_device_pair_def def = duet_default_device_pair_def();
     def.kernel_dir = folder;
-    return must(duet_device_pair_create(&def, ERR));
+    return kept(duet_device_pair_create(&def, ERR));
 }
 
 // Both devices run each config, at a share that cuts groups apart.
@@ -48,7 +46,7 @@ static void run_example(const char *name, const char *n)
     const duet_setting setting = {"n", n};
     char path[600];
     snprintf(path, sizeof path, "%s/%s.task.lua", folder, name);
-    task *t = must(task_load(path, &setting, 1, ERR));
+    task *t = kept(task_load(path, &setting, 1, ERR));
     duet_device_pair *pair = open_with_examples();
     for (int copies = 0; copies < 2; ++copies) {
         for (int side = 0; side < 2; ++side)
@@ -57,8 +55,6 @@ static void run_example(const char *name, const char *n)
         launch_configs(l);
         task_launcher_close(l);
     }
-    duet_device_pair_destroy(pair);
-    task_destroy(t);
 }
 
 // The right values for few items are found by Lua, and for many by the plain kernel, which finds
@@ -70,7 +66,7 @@ static void run_plain(const char *name, const char *n)
     task_result r;
     duet_plan plan = {.mode = DUET_MODE_OWN, .variant_a = "auto", .variant_b = "auto"};
     snprintf(path, sizeof path, "%s/%s.task.lua", folder, name);
-    task *t = must(task_load(path, &setting, 1, ERR));
+    task *t = kept(task_load(path, &setting, 1, ERR));
     assert_string_equal(t->reference, "");
     snprintf(t->kernel, sizeof t->kernel, "%s_plain", name);
     snprintf(t->entry, sizeof t->entry, "%s_plain", name);
@@ -81,8 +77,6 @@ static void run_plain(const char *name, const char *n)
         must(task_launch(l, &plan, &r, ERR));
     }
     task_launcher_close(l);
-    duet_device_pair_destroy(pair);
-    task_destroy(t);
 }
 
 // More items than Lua finds in a moment; the file's reference is then the plain kernel.
@@ -169,11 +163,9 @@ TEST(nbody_of_16384_is_within_its_bound)
     def.settings = &setting;
     def.n_settings = 1;
     def.plan.share = DUET_SHARE_ONE / 3;
-    duet_task *t = must(duet_task_create(&def, ERR));
+    duet_task *t = kept(duet_task_create(&def, ERR));
     must(duet_task_run(t, &r, ERR));
     expect_attraction(t, N);
-    duet_task_destroy(t);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(histogram_is_right)
@@ -196,4 +188,4 @@ TEST(black_scholes_is_right)
     run_example("black_scholes", "2001");
 }
 
-TEST_MAIN(find_folder, NULL)
+TEST_BEGIN(find_folder)

@@ -104,5 +104,3 @@ TEST(a_tuning_that_does_not_wait_runs_beside_others)
     device_lock_release(&lock);
     end_holder(&w);
 }
-
-TEST_MAIN(NULL, NULL)

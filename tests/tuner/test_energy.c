@@ -163,5 +163,3 @@ TEST(a_counter_that_does_not_move_is_no_energy)
     assert_says(found.failure.text, FILE_NAME " did not move within 2000 launches");
     energy_meter_close(m);
 }
-
-TEST_MAIN(NULL, NULL)

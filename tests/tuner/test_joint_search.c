@@ -410,5 +410,3 @@ TEST(a_script_that_gives_no_plan_is_told_what_was_expected)
         must_fail(tune_by(&f, wrong[i][0], &o, ERR), DUET_STATUS_BAD_INPUT, wrong[i][1]);
     }
 }
-
-TEST_MAIN(NULL, NULL)

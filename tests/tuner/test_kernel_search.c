@@ -458,5 +458,3 @@ TEST(a_kernels_least_time_is_that_of_all_launches_whatever_else_they_did)
     assert_int_equal(launched, 3);
     assert_int_equal(measure_stages_ns(&m.launch, 1, stages, 1), 1000000);
 }
-
-TEST_MAIN(NULL, NULL)

@@ -6,39 +6,23 @@
 
 enum { BOXES = 300 };
 
-typedef struct fixture {
-    duet_device_pair *pair;
-    duet_world *world;
-    subject at;
-} fixture;
+static subject usual;
 
-static int begin(void **state)
+static void begin(void)
 {
-    static fixture f;
     duet_device_pair_def devices = duet_default_device_pair_def();
     devices.a = devices.b = "cpu";
     duet_world_def def = duet_default_world_def();
-    must((f.pair = duet_device_pair_create(&devices, ERR)));
-    def.pair = f.pair;
-    must((f.world = duet_world_create(&def, ERR)));
+    def.pair = kept(duet_device_pair_create(&devices, ERR));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     duet_pose poses[BOXES];
     for (int i = 0; i < BOXES; ++i)
         poses[i] =
             (duet_pose){{0.7f * (float)(i % 17), 0.8f * (float)(i % 5), 0.9f * (float)(i % 13)},
                         {0.5f, 0.5f, 0.5f},
                         {0, 0, 0, 1}};
-    must(duet_world_set_objects(f.world, DUET_OBJECT_POSES, poses, BOXES, ERR));
-    f.at = (subject){.kind = &subject_still, .state = f.world};
-    *state = &f;
-    return 0;
-}
-
-static int end(void **state)
-{
-    fixture *f = *state;
-    duet_world_destroy(f->world);
-    duet_device_pair_destroy(f->pair);
-    return 0;
+    must(duet_world_set_objects(world, DUET_OBJECT_POSES, poses, BOXES, ERR));
+    usual = (subject){.kind = &subject_still, .state = world};
 }
 
 static duet_plan plan_of_b(const char *variant)
@@ -48,12 +32,12 @@ static duet_plan plan_of_b(const char *variant)
     return plan;
 }
 
-static kernel_spaces read_b(fixture *f, const char *variant)
+static kernel_spaces read_b(const char *variant)
 {
     kernel_spaces spaces = {0};
     duet_plan plan = plan_of_b(variant);
-    must(duet_world_set_plan(f->world, &plan, ERR));
-    must(kernel_spaces_read(f->world, 1, &spaces, ERR));
+    must(duet_world_set_plan(usual.state, &plan, ERR));
+    must(kernel_spaces_read(usual.state, 1, &spaces, ERR));
     return spaces;
 }
 
@@ -71,7 +55,7 @@ TEST(the_search_of_a_cpu_has_48_configs)
 {
     static const char *const names[] = {"BUF", "AHEAD", "PER_ITEM"};
     static const int64_t now[] = {512, 32, 1024};
-    own(kernel_spaces) spaces = read_b(*state, "simd");
+    own(kernel_spaces) spaces = read_b("simd");
     const kernel_space *s = find(&spaces, "pair_search_simd");
     assert_ptr_equal(s, spaces.of); // first, as what takes longest
     assert_int_equal(s->n_configs, 4 * 4 * 3);
@@ -84,7 +68,7 @@ TEST(the_search_of_a_cpu_has_48_configs)
 
 TEST(what_a_variant_sets_is_not_free)
 {
-    own(kernel_spaces) spaces = read_b(*state, "simd pair_search_simd.BUF=256");
+    own(kernel_spaces) spaces = read_b("simd pair_search_simd.BUF=256");
     assert_int_equal(find(&spaces, "pair_search_simd")->n_configs, 4 * 3);
 }
 
@@ -92,16 +76,15 @@ TEST(what_a_variant_sets_is_not_free)
 // is no multiple of LANES.
 TEST(configs_that_are_not_valid_are_left_out)
 {
-    own(kernel_spaces) spaces = read_b(*state, "simd");
+    own(kernel_spaces) spaces = read_b("simd");
     assert_int_equal(find(&spaces, "hash")->n_configs, (2 * 3 - 1) * 4 * 2);
 }
 
 TEST(a_config_as_text_runs_and_finds_the_same_pairs)
 {
-    fixture *f = *state;
     char variant[DUET_VARIANT] = "simd", full[DUET_VARIANT];
     measure_launch plain = {0}, set = {0};
-    own(kernel_spaces) spaces = read_b(f, "simd");
+    own(kernel_spaces) spaces = read_b("simd");
     const kernel_space *s = find(&spaces, "clear");
     assert_true(kernel_space_write(s, s->now, variant));
     assert_string_equal(variant, "simd");
@@ -110,7 +93,7 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
     assert_ptr_equal(strstr(variant, "simd clear."), variant);
     snprintf(full, sizeof full, "%*s", (int)sizeof full - 8, "simd");
     assert_false(kernel_space_write(s, other, full));
-    measure_machine machine = subject_machine(&f->at, 0);
+    measure_machine machine = subject_machine(&usual, 0);
     duet_plan plan = plan_of_b("simd");
     must(machine.launch(machine.context, &plan, false, &plain, ERR));
     strcpy(plan.variant_b, variant);
@@ -122,9 +105,8 @@ TEST(a_config_as_text_runs_and_finds_the_same_pairs)
 TEST(terms_count_the_search_that_tests)
 {
     static const char *const stages[] = {"search"};
-    fixture *f = *state;
     measure_launch launch = {0};
-    measure_machine machine = subject_machine(&f->at, 0);
+    measure_machine machine = subject_machine(&usual, 0);
     duet_plan plan = plan_of_b("simd");
     must(machine.launch(machine.context, &plan, true, &launch, ERR));
     double ms = (double)measure_stages_ns(&launch, 1, stages, 1) * 1e-6;
@@ -133,4 +115,4 @@ TEST(terms_count_the_search_that_tests)
     assert_true(launch.terms.gpu2 > 0.999 * ms);
 }
 
-TEST_MAIN(begin, end)
+TEST_BEGIN(begin)

@@ -74,5 +74,3 @@ TEST(levels_cover_what_they_promise)
         for (int b = 0; b < DUET_LEVELS; ++b)
             assert_int_equal(duet_level_covers((duet_level)a, (duet_level)b), covers[a][b] == '1');
 }
-
-TEST_MAIN(NULL, NULL)

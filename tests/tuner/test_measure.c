@@ -65,5 +65,3 @@ TEST(a_gpus_launches_that_count_are_not_timed_by_stages)
     duet_world_destroy(world);
     devices_seem_gpus(false);
 }
-
-TEST_MAIN(open_devices, close_devices)

@@ -362,53 +362,36 @@ TEST(a_rival_that_cannot_run_is_not_tried_again)
 
 enum { BOXES = 500 };
 
-typedef struct fixture {
-    duet_device_pair *pair;
-    duet_world *world;
-} fixture;
-
-static void make_world(fixture *f)
+static duet_world *make_world(void)
 {
-    duet_error err = {0};
     duet_world_def def = duet_default_world_def();
-    must((f->pair = duet_device_pair_open(NULL, ERR)));
-    def.pair = f->pair;
+    def.pair = default_pair();
     def.plan.share = DUET_SHARE_ONE / 2;
-    must((f->world = duet_world_create(&def, ERR)));
+    duet_world *world = kept(duet_world_create(&def, ERR));
     rng r = rng_seed(test_seed());
-    duet_pose *poses = duet_world_map_objects(f->world, DUET_OBJECT_POSES, BOXES, &err);
-    assert_non_null(poses);
+    duet_pose *poses = must(duet_world_map_objects(world, DUET_OBJECT_POSES, BOXES, ERR));
     for (int i = 0; i < BOXES; ++i) {
         poses[i] = (duet_pose){.half_extents = {0.5f, 0.5f, 0.5f}, .rotation = {0, 0, 0, 1}};
         for (int k = 0; k < 3; ++k)
             poses[i].centre[k] = (float)rng_between(&r, 0, 8);
     }
-}
-
-static void destroy_world(fixture *f)
-{
-    duet_world_destroy(f->world);
-    duet_device_pair_destroy(f->pair);
+    return world;
 }
 
 TEST(steps_find_the_same_pairs_while_the_share_is_watched)
 {
-    fixture f;
-    duet_error err = {0};
     duet_result plain, watched;
-    make_world(&f);
-    must(duet_world_step(f.world, &plain, ERR));
+    duet_world *world = make_world();
+    must(duet_world_step(world, &plain, ERR));
     uint64_t hash = duet_result_get_hash(&plain);
     duet_online_def def = duet_default_online_def();
-    def.world = f.world;
-    duet_online *watching = duet_online_create(&def, &err);
-    assert_non_null(watching);
+    def.world = world;
+    duet_online *watching = must(duet_online_create(&def, ERR));
     for (int i = 0; i < 100; ++i) {
         must(duet_online_step(watching, &watched, ERR));
         assert_true(duet_result_get_hash(&watched) == hash);
     }
     must(duet_online_destroy(watching, ERR));
-    destroy_world(&f);
 }
 
 // Stores what a tuning leaves.
@@ -437,38 +420,36 @@ static void put_tuned(record *r, const duet_plan *plan, const char *level)
 // A share that nobody compared with one device alone is not followed.
 TEST(what_was_learned_is_loaded_at_the_next_start_of_what_was_tuned)
 {
-    fixture f;
     profile_subject known;
     record r;
     duet_profile profile;
-    make_world(&f);
-    must(profile_subject_read(f.world, &known, ERR));
+    duet_world *world = make_world();
+    must(profile_subject_read(world, &known, ERR));
     profile_request request = profile_subject_request(&known);
-    duet_plan plan = *duet_world_get_plan(f.world);
+    duet_plan plan = *duet_world_get_plan(world);
     for (int tuned = 0; tuned < 2; ++tuned) {
         plan.share = 12345;
         must(record_open(&r, STORE, ERR) && record_aim(&r, &request, ERR));
         if (tuned)
-            put_tuned(&r, duet_world_get_plan(f.world), "certified");
+            put_tuned(&r, duet_world_get_plan(world), "certified");
         must(record_online(&r, &plan, 2e6, ERR));
         record_close(&r);
-        must(duet_world_load_profile(f.world, STORE, &profile, ERR));
+        must(duet_world_load_profile(world, STORE, &profile, ERR));
         assert_int_equal(profile.grade, tuned ? DUET_GRADE_EXACT : DUET_GRADE_DEFAULT);
-        assert_int_equal(duet_world_get_plan(f.world)->share, tuned ? 12345 : DUET_SHARE_ONE / 2);
+        assert_int_equal(duet_world_get_plan(world)->share, tuned ? 12345 : DUET_SHARE_ONE / 2);
     }
     assert_string_equal(profile.verdict, "faster");
-    destroy_world(&f);
 }
 
 // ---------------------------------------------------------------- on a motion
 
 enum { PHASES = 90 };
 
-static duet_motion *drop(duet_device_pair *pair, const duet_scene *scene, uint32_t share)
+static duet_motion *drop(const duet_scene *scene, uint32_t share)
 {
-    duet_motion_def def = duet_scene_motion_def(scene, pair);
+    duet_motion_def def = duet_scene_motion_def(scene, default_pair());
     def.plan.share = share;
-    return must(duet_motion_create_from_scene(&def, scene, NULL, ERR));
+    return kept(duet_motion_create_from_scene(&def, scene, NULL, ERR));
 }
 
 // The state's bits after bodies fell, crashed and lay down.
@@ -486,14 +467,12 @@ static uint64_t run_falling(duet_motion *m, duet_online *watching)
 
 TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
 {
-    duet_device_pair *pair = must(duet_device_pair_open(NULL, ERR));
     const duet_setting n = {"n", "600"};
-    duet_scene *scene = must(duet_scene_load("falling", &n, 1, ERR));
-    duet_motion *plain = drop(pair, scene, DUET_SHARE_ONE / 2);
+    duet_scene *scene = kept(duet_scene_load("falling", &n, 1, ERR));
+    duet_motion *plain = drop(scene, DUET_SHARE_ONE / 2);
     uint64_t hash = run_falling(plain, NULL);
-    duet_motion_destroy(plain);
 
-    duet_motion *m = drop(pair, scene, DUET_SHARE_ONE / 16 * 15);
+    duet_motion *m = drop(scene, DUET_SHARE_ONE / 16 * 15);
     duet_online_def def = duet_default_online_def();
     def.motion = m;
     def.keep = true;
@@ -506,9 +485,6 @@ TEST(a_motion_keeps_its_bits_while_its_share_follows_the_searches)
     must_fail(duet_online_step(watching, &still, ERR), DUET_STATUS_BAD_ARGUMENT,
               "the def had no world");
     must(duet_online_destroy(watching, ERR));
-    duet_motion_destroy(m);
-    duet_scene_destroy(scene);
-    duet_device_pair_destroy(pair);
 }
 
 TEST(a_def_that_is_no_def_is_refused)
@@ -517,5 +493,3 @@ TEST(a_def_that_is_no_def_is_refused)
     must_fail(duet_online_create(&zero, ERR), DUET_STATUS_BAD_ARGUMENT, "");
     must_fail(duet_online_create(&neither, ERR), DUET_STATUS_BAD_ARGUMENT, "");
 }
-
-TEST_MAIN(NULL, NULL)

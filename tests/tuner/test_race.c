@@ -330,5 +330,3 @@ TEST(one_hiccup_raises_no_alarm)
         assert_false(drift_update(&d, i == 50 ? 1e9 : 1e6, 1e6));
     assert_false(drift_update(&d, 0.0 / 0.0, 1e6));
 }
-
-TEST_MAIN(NULL, NULL)

@@ -16,26 +16,17 @@ static const double SPREAD = 0.02;
 static test_folder folder;
 static store *recorded;
 
-static int open_store(void **state)
+static void open_store(void)
 {
-    (void)state;
     char command[256];
     profile_import_counts counts;
     folder = test_folder_make();
-    recorded = test_store_open(folder.store, STORE_WRITE);
+    recorded = kept(store_open(folder.store, STORE_WRITE, ERR));
     snprintf(command, sizeof command, "gzip -dc '%s/surfaces.jsonl.gz'", getenv("DUET_TEST_DATA"));
     FILE *in = popen(command, "r");
     assert_non_null(in);
     must(profile_import(recorded, in, "surfaces.jsonl.gz", &counts, ERR));
     assert_int_equal(pclose(in), 0);
-    return 0;
-}
-
-static int close_store(void **state)
-{
-    (void)state;
-    store_close(recorded);
-    return 0;
 }
 
 // The devices of test_time at shares of twentieths, but not at 1/2: three launches a plan, which
@@ -324,4 +315,4 @@ TEST(on_recorded_surfaces_grid_and_balance_come_near_the_best)
     }
 }
 
-TEST_MAIN(open_store, close_store)
+TEST_BEGIN(open_store)

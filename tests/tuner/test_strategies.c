@@ -359,5 +359,3 @@ TEST(each_strategy_is_in_the_help)
             fail_msg("'duet tune --help' does not name the strategy '%s'", name);
     }
 }
-
-TEST_MAIN(NULL, NULL)

@@ -981,5 +981,3 @@ TEST(a_measurement_keeps_the_warm_up_and_marks_outliers)
     assert_true(m.row.low_ns <= m.row.median_ns && m.row.median_ns <= m.row.high_ns);
     assert_true((double)m.samples[m.typical].total_ns <= m.row.median_ns);
 }
-
-TEST_MAIN(NULL, NULL)
