@@ -5,11 +5,14 @@
 //
 // If both devices are CPUs a step takes the processor time of the host and of the busiest other
 // thread: on a busy machine the clock tells of other programs. Else it takes what the clock says.
+#define _POSIX_C_SOURCE 200809L
 #include "bench.h"
-#include "thread_times.h"
 
 #include "base/compare.h"
 #include "tuner/duet_tune.h"
+
+#include <dirent.h>
+#include <unistd.h>
 
 enum { WARM_UP = 3, ROUNDS = 31 };
 
@@ -28,6 +31,57 @@ typedef struct losses {
     const char *fresh;    // the one of fresh tunings
     series behind[PLANS]; // %
 } losses;
+
+// Processor time of each thread of the process, as the kernel counts it.
+enum { THREAD_TIMES_ROOM = 512 };
+
+typedef struct thread_times {
+    struct {
+        int id;
+        uint64_t ns;
+    } threads[THREAD_TIMES_ROOM];
+    uint32_t n; // 0: the system does not tell
+} thread_times;
+
+static void thread_times_read(thread_times *t)
+{
+    DIR *tasks = opendir("/proc/self/task");
+    t->n = 0;
+    for (struct dirent *task; tasks && (task = readdir(tasks)) && t->n < THREAD_TIMES_ROOM;) {
+        char path[300];
+        snprintf(path, sizeof path, "/proc/self/task/%s/schedstat", task->d_name);
+        FILE *file = fopen(path, "r");
+        if (file && fscanf(file, "%" SCNu64, &t->threads[t->n].ns) == 1)
+            t->threads[t->n++].id = atoi(task->d_name);
+        if (file)
+            fclose(file);
+    }
+    if (tasks)
+        closedir(tasks);
+}
+
+static uint64_t time_of(const thread_times *t, int id)
+{
+    for (uint32_t i = 0; i < t->n; ++i)
+        if (t->threads[i].id == id)
+            return t->threads[i].ns;
+    return 0;
+}
+
+// The main thread's time since, and the busiest other thread's.
+static double thread_times_since_ms(const thread_times *before, const thread_times *now)
+{
+    uint64_t host = 0, busiest = 0;
+    for (uint32_t i = 0; i < now->n; ++i) {
+        int id = now->threads[i].id;
+        uint64_t ns = now->threads[i].ns - time_of(before, id);
+        if (id == getpid())
+            host = ns;
+        else if (ns > busiest)
+            busiest = ns;
+    }
+    return (double)(host + busiest) * 1e-6;
+}
 
 static duet_scene *load(const char *name, uint32_t n, uint64_t seed)
 {

@@ -12,7 +12,6 @@
 // as the quickest plan. Every strategy tells how far it is, and the bench fails if brute force
 // takes longer than --seconds.
 #include "bench.h"
-#include "part_times.h"
 
 #include "runtime/task/task.h"
 #include "tuner/stats.h"
@@ -57,6 +56,69 @@ static void leave_out_lost(measure_launch *launch)
     *longer = *longer > lost + 1000 ? *longer - lost : 1000;
     launch->total_ns = launch->total_ns - lost > *longer ? launch->total_ns - lost : *longer;
     launch->use = (core_use){0};
+}
+
+// ---------------------------------------------------------------- parts
+
+// Times that each device took for its part of plans, so that brute force need not launch a plan of
+// which one part alone was seen to take too long.
+enum { PART_TIMES = 1024 }; // of a device
+
+// The least of a part's launches, at a share by a kernel, without what other programs took of them.
+typedef struct part_time {
+    uint32_t share;
+    char variant[DUET_VARIANT];
+    int64_t ns;
+} part_time;
+
+typedef struct part_times {
+    part_time of[2][PART_TIMES];
+    uint32_t n[2];
+    int64_t least_ns; // a launch's, of any plan, with what other programs took of it
+    uint32_t passed_over;
+} part_times;
+
+// Returns the place of the plan's part, or of a new one; PART_TIMES if there is no space.
+static uint32_t find_part(const part_times *p, const duet_plan *plan, int device)
+{
+    uint32_t i = 0;
+    while (i < p->n[device] && (p->of[device][i].share != plan->share ||
+                                strcmp(p->of[device][i].variant, plan_variant(plan, device)) != 0))
+        ++i;
+    return i;
+}
+
+// Whether the plan may be the quickest: it shares nothing, or no part of it took 1.3 times as long
+// as the quickest plan, by the same kernel at the same share. Counts those that may not.
+static bool part_times_allow(part_times *p, const duet_plan *plan)
+{
+    bool shares = plan->share > 0 && plan->share < DUET_SHARE_ONE, slow = false;
+    for (int device = 0; device < 2 && shares; ++device) {
+        uint32_t i = find_part(p, plan, device);
+        slow |= i < p->n[device] && p->of[device][i].ns * 10 > p->least_ns * 13;
+    }
+    p->passed_over += slow;
+    return !slow;
+}
+
+static void part_times_add(part_times *p, const duet_plan *plan, const measure_launch *launch)
+{
+    const int64_t lost = (int64_t)launch->use.lost_ns;
+    const int64_t ns[2] = {launch->a_ns - lost, launch->b_ns - lost};
+    if (p->least_ns == 0 || launch->total_ns < p->least_ns)
+        p->least_ns = launch->total_ns;
+    for (int device = 0; device < 2; ++device) {
+        uint32_t i = find_part(p, plan, device);
+        if (i == PART_TIMES)
+            continue;
+        part_time *at = &p->of[device][i];
+        if (i == p->n[device]) {
+            *at = (part_time){.share = plan->share, .ns = ns[device]};
+            snprintf(at->variant, sizeof at->variant, "%s", plan_variant(plan, device));
+            ++p->n[device];
+        }
+        at->ns = ns[device] < at->ns ? ns[device] : at->ns;
+    }
 }
 
 // ---------------------------------------------------------------- strategies
