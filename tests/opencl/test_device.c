@@ -104,12 +104,13 @@ TEST(a_part_has_the_units_it_names)
 
 static void check_contexts(const char *a, const char *b, bool is_one)
 {
-    duet_device_pair *pair = kept(open_two(a, b, ERR));
+    duet_device_pair *pair = must(open_two(a, b, ERR));
     const device *opened = pair->devices;
     assert_true((opened[0].context == opened[1].context) == is_one);
     assert_ptr_not_equal(opened[0].queue, opened[1].queue);
     assert_ptr_not_equal(opened[0].queue, opened[0].beside);
     assert_int_equal(device_live_objects(), 2 * 4);
+    duet_device_pair_destroy(pair);
 }
 
 TEST(devices_have_contexts_of_their_own_and_one_that_is_both_has_one)
