@@ -68,8 +68,7 @@ bool budget_check(duet_error *err)
         return false;
     if (!current || current->deadline_ns == UINT64_MAX || clock_steady_ns() <= current->deadline_ns)
         return true;
-    return error_set(err, DUET_STATUS_BAD_INPUT, "runs for more than the %g s it may take",
-                     current->seconds);
+    return bad_input(err, "runs for more than the %g s it may take", current->seconds);
 }
 
 static bool has_space(const budget *b, size_t bytes)

@@ -139,26 +139,22 @@ bool error_set_cl(duet_error *err, int cl_code, const char *format, ...)
 
 bool error_given(const void *pointer, const char *call, const char *argument, duet_error *err)
 {
-    return pointer || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                "%s: %s is NULL; expected a valid pointer", call, argument);
+    return pointer || bad_argument(err, "%s: %s is NULL; expected a valid pointer", call, argument);
 }
 
 bool error_def(bool is_ours, const char *noun, const char *maker, duet_error *err)
 {
-    return is_ours || error_set(err, DUET_STATUS_BAD_ARGUMENT, "the %s's def does not come from %s",
-                                noun, maker);
+    return is_ours || bad_argument(err, "the %s's def does not come from %s", noun, maker);
 }
 
 bool error_def_pair(const void *pair, const char *noun, duet_error *err)
 {
-    return pair ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "the %s's def has no device pair", noun);
+    return pair || bad_argument(err, "the %s's def has no device pair", noun);
 }
 
 bool error_def_dims(uint32_t dims, duet_error *err)
 {
-    return dims == 2 || dims == 3 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "dims is %u; expected 2 or 3", dims);
+    return dims == 2 || dims == 3 || bad_argument(err, "dims is %u; expected 2 or 3", dims);
 }
 
 const char *duet_status_name(duet_status status)

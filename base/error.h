@@ -33,6 +33,10 @@ void public_call_end(public_call *call);
 bool error_set(duet_error *err, duet_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// The same for what a caller or an option gives, and for what a file holds.
+#define bad_argument(err, ...) error_set(err, DUET_STATUS_BAD_ARGUMENT, __VA_ARGS__)
+#define bad_input(err, ...) error_set(err, DUET_STATUS_BAD_INPUT, __VA_ARGS__)
+
 // The same for makers: NULL.
 #define error_null(...) (error_set(__VA_ARGS__), NULL)
 

@@ -26,13 +26,12 @@ static bool check_text(const text *t, const char *block, size_t n, size_t *line,
         return true;
     const char *nul = memchr(block, '\0', n);
     if (nul)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: byte %zu is NUL, so this is no text",
-                         path, before + (size_t)(nul - block));
+        return bad_input(err, "%s: byte %zu is NUL, so this is no text", path,
+                         before + (size_t)(nul - block));
     const char *end = memrchr(block, '\n', n);
     *line = end ? (size_t)(block + n - end) - 1 : *line + n;
     return *line <= TEXT_LINE_MOST ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: has a line of more than %d MiB, so this is no text", path,
+           bad_input(err, "%s: has a line of more than %d MiB, so this is no text", path,
                      TEXT_LINE_MOST >> 20);
 }
 
@@ -55,8 +54,7 @@ static bool check_length(const text *t, const struct stat *info, const char *pat
 {
     enum { DEVICE_MOST = 1 << 28 };
     return !S_ISCHR(info->st_mode) || t->length <= DEVICE_MOST ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: a device with more than %d MiB; expected a file", path,
+           bad_input(err, "%s: a device with more than %d MiB; expected a file", path,
                      DEVICE_MOST >> 20);
 }
 
@@ -121,8 +119,8 @@ bool text_check_magic(const text *t, const char magic[16], const char *path, due
     size_t most = t->length < 16 ? t->length : 16;
     const char *end = most > 0 ? memchr(t->chars, '\n', most) : NULL;
     text_add_visible(&shown, t->chars, end ? (size_t)(end - t->chars) : most, "");
-    error_set(err, DUET_STATUS_BAD_INPUT, "%s: begins with \"%s\"; expected \"%.*s\"", path,
-              text_chars(&shown), (int)strcspn(magic, "\n"), magic);
+    bad_input(err, "%s: begins with \"%s\"; expected \"%.*s\"", path, text_chars(&shown),
+              (int)strcspn(magic, "\n"), magic);
     text_free(&shown);
     return false;
 }

@@ -262,7 +262,6 @@ bool costs_report_check(const cJSON *o, const char *path, duet_error *err)
     };
     bool ok = json_require(o, whole, path, err);
     if (ok && json_number(o, "steps") < 1)
-        ok = error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: no times; 'duet explain --measure' takes them", path);
+        ok = bad_input(err, "%s: no times; 'duet explain --measure' takes them", path);
     return ok && json_require_each(json_list(o, "effects"), row, path, "effect", err);
 }

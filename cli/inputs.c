@@ -123,7 +123,7 @@ duet_scene *inputs_load_objects(const char *path, const scene_options *options, 
     const duet_scene_info *info = scene ? duet_scene_get_info(scene) : NULL;
     if (!info || info->n > 0)
         return scene;
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: there are no objects to measure", info->name);
+    bad_argument(err, "%s: there are no objects to measure", info->name);
     duet_scene_destroy(scene);
     return NULL;
 }
@@ -167,8 +167,8 @@ static bool refuse_name(const char *prefix, const char *given_by, const char *na
     text known = {0};
     for (int i = 0; name_of(i); ++i)
         text_add(&known, "%s%s", i ? ", " : "", name_of(i));
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "--%s%s '%s': the %s are %s", prefix, given_by, name,
-              what, text_chars(&known));
+    bad_argument(err, "--%s%s '%s': the %s are %s", prefix, given_by, name, what,
+                 text_chars(&known));
     text_free(&known);
     return false;
 }
@@ -197,10 +197,9 @@ bool inputs_change_level(const level_options *options, duet_world_def *def, duet
     duet_accuracy accuracy;
     bool given = inputs_accuracy_given(options, &accuracy);
     if (given && options->level)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--level %s: give a level, or --missed and --false-rate that one is "
-                         "chosen by",
-                         options->level);
+        return bad_argument(
+            err, "--level %s: give a level, or --missed and --false-rate that one is chosen by",
+            options->level);
     if (given) {
         def->has_accuracy = true;
         def->accuracy = accuracy;
@@ -218,9 +217,8 @@ static bool check_variant(const char *name, const duet_device_pair *pair, duet_e
     char word[DUET_VARIANT];
     variant v;
     if (strlen(name) >= DUET_VARIANT)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a variant of %zu characters: %d are the most", strlen(name),
-                         DUET_VARIANT - 1);
+        return bad_argument(err, "a variant of %zu characters: %d are the most", strlen(name),
+                            DUET_VARIANT - 1);
     name += strspn(name, " ,");
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, " ,"), name);
     return !pair || !*word || variant_parse(&v, word, duet_device_pair_get_info(pair, 1), err);
@@ -265,9 +263,8 @@ static bool is_one_chosen(const duet_device_pair *pair, const char *selectors)
 static bool refuse_on_one(const char *prefix, const char *name, const duet_device_pair *pair,
                           duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--%s%s: %s is one device; expected --%spair with two, or halves", prefix,
-                     name, duet_device_pair_get_info(pair, 0)->selector, prefix);
+    return bad_argument(err, "--%s%s: %s is one device; expected --%spair with two, or halves",
+                        prefix, name, duet_device_pair_get_info(pair, 0)->selector, prefix);
 }
 
 // A mode goes with a share that is given, as 'duet tune' prints plans, also where that is 0.
@@ -327,7 +324,7 @@ bool inputs_check_recorded(const duet_replay *replay, const char *path, uint64_t
                            duet_error *err)
 {
     const uint64_t recorded = duet_replay_get_info(replay).steps;
-    return steps <= recorded || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                          "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps",
-                                          steps, path, recorded);
+    return steps <= recorded ||
+           bad_argument(err, "--steps %" PRIu64 ": %s has %" PRIu64 " recorded steps", steps, path,
+                        recorded);
 }

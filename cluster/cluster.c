@@ -22,20 +22,17 @@ duet_cluster_def duet_default_cluster_def(void)
 static bool check_def(const duet_cluster_def *def, duet_error *err)
 {
     if (def->world.has_accuracy)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "has_accuracy is for one world; expected a level, which all ranks share");
+        return bad_argument(
+            err, "has_accuracy is for one world; expected a level, which all ranks share");
     if (def->world.keep_bad)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "keep_bad is for one world; expected false");
+        return bad_argument(err, "keep_bad is for one world; expected false");
     if (def->world.separate_sizes || def->world.compact_transforms)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for one world; expected false",
-                         def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
+        return bad_argument(err, "%s is for one world; expected false",
+                            def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
     if (def->parts < 1 || def->parts > MOST_PARTS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "parts is %u; expected 1 to %d", def->parts,
-                         MOST_PARTS);
+        return bad_argument(err, "parts is %u; expected 1 to %d", def->parts, MOST_PARTS);
     return def->imbalance > 1 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "imbalance is %g; expected a number above 1",
-                     def->imbalance);
+           bad_argument(err, "imbalance is %g; expected a number above 1", def->imbalance);
 }
 
 void cluster_take_workers(duet_cluster *c, const duet_world_def *world, worker *workers[2])
@@ -66,8 +63,7 @@ duet_cluster *duet_cluster_create(const duet_cluster_def *def, duet_error *err)
 duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, duet_error *err)
 {
     if (!def || def->cookie != COOKIE) {
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "the def of a cluster begins with duet_default_cluster_def");
+        bad_argument(err, "the def of a cluster begins with duet_default_cluster_def");
         return NULL;
     }
     duet_error own = {0};
@@ -158,9 +154,8 @@ static bool check_kind(const duet_cluster *c, duet_object_kind kind, duet_error 
                                         [DUET_OBJECT_LARGE_POSES] = "large poses",
                                         [DUET_OBJECT_ROUNDED_BOXES] = "rounded boxes",
                                         [DUET_OBJECT_SPHERES] = "spheres"};
-    return kind == right ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "objects of kind %d; this cluster was made for %s", (int)kind, names[right]);
+    return kind == right || bad_argument(err, "objects of kind %d; this cluster was made for %s",
+                                         (int)kind, names[right]);
 }
 
 bool duet_cluster_set_objects(duet_cluster *c, duet_object_kind kind, const uint64_t *ids,
@@ -199,11 +194,10 @@ static bool list_found(duet_cluster *c, duet_error *err)
 bool cluster_list_pairs(duet_cluster *c, duet_error *err)
 {
     if (c->def.drops_pairs)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "this cluster drops its pairs; expected a def without drops_pairs");
+        return bad_argument(err,
+                            "this cluster drops its pairs; expected a def without drops_pairs");
     if (c->state < STATE_FOUND)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "no pairs were found of the objects as they are; expected a step");
+        return bad_argument(err, "no pairs were found of the objects as they are; expected a step");
     if (c->state == STATE_FOUND)
         c->state = list_found(c, err) ? STATE_LISTED : STATE_SETTLED;
     return c->state == STATE_LISTED;

@@ -24,8 +24,7 @@ bool duet_cluster_begin_motion(duet_cluster *c, const char *path, const duet_set
         return false;
     bool ok = error_given(path, __func__, "path", &own);
     if (ok && !c->def.world.pair)
-        ok = error_set(&own, DUET_STATUS_BAD_ARGUMENT,
-                       "a cluster of plain workers moves nothing; expected devices");
+        ok = bad_argument(&own, "a cluster of plain workers moves nothing; expected devices");
     if (!cluster_agree_on(c, __func__, ok, &own, err))
         return false;
     end_motion(c);
@@ -52,8 +51,7 @@ static bool begin_call(duet_cluster *c, const char *call, const void *argument, 
 {
     bool ok = error_given(argument, call, name, own);
     if (ok && !c->moving)
-        ok = error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                       "%s: nothing moves; expected duet_cluster_begin_motion first", call);
+        ok = bad_argument(own, "%s: nothing moves; expected duet_cluster_begin_motion first", call);
     return cluster_agree_on(c, call, ok, own, err);
 }
 

@@ -59,13 +59,11 @@ static bool give_level(duet_cluster *c, duet_level level, duet_error *err)
 static bool agree_on_level(duet_cluster *c, const char *call, duet_level level, duet_error *err)
 {
     tally t = {.greatest = {level, -(double)level}};
-    bool ok =
-        duet_level_get_info(level) ||
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level", (int)level);
+    bool ok = duet_level_get_info(level) ||
+              bad_argument(err, "level is %d; expected a duet_level", (int)level);
     return ranks_agree_on(&c->ranks, call, ok, &t, err) &&
            (t.greatest[0] + t.greatest[1] == 0 ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "the ranks' levels differ; expected the same on all"));
+            bad_argument(err, "the ranks' levels differ; expected the same on all"));
 }
 
 bool duet_cluster_set_level(duet_cluster *c, duet_level level, duet_error *err)

@@ -161,10 +161,9 @@ static bool keep_some(scene_part *part, reading *r, uint32_t job, uint64_t first
     }
     object_form form = form_of(some);
     if (n != part->n || !can_join(&part->form, &form))
-        return error_set(own, DUET_STATUS_BAD_INPUT,
-                         "%s: it has %llu objects here and %llu on rank 0, or others each time it "
-                         "is read",
-                         r->path, (unsigned long long)n, (unsigned long long)part->n);
+        return bad_input(
+            own, "%s: it has %llu objects here and %llu on rank 0, or others each time it is read",
+            r->path, (unsigned long long)n, (unsigned long long)part->n);
     return add_objects(part, some, threads, own);
 }
 
@@ -247,8 +246,7 @@ static bool fit_rows(scene_part *part, const object_form *form, const char *name
         return object_rows_begin(&part->rows, form, 0, own);
     }
     if (!can_join(&part->form, form))
-        return error_set(own, DUET_STATUS_BAD_INPUT,
-                         "%s: it has objects of another kind here than on other ranks", name);
+        return bad_input(own, "%s: it has objects of another kind here than on other ranks", name);
     return part->form.shape == form->shape || object_rows_round(&part->rows, &part->form, own);
 }
 

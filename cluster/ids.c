@@ -87,9 +87,9 @@ static bool refuse(ranks *r, uint64_t id, const uint64_t *ids, uint32_t n, duet_
     bool has = at < n && ids[at] == id;
     uint64_t ends[2] = {has ? self : UINT64_MAX, has ? UINT64_MAX - self : UINT64_MAX};
     ranks_least(r, ends, 2);
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "object %" PRIu64 " is there twice: on rank %" PRIu64 " and on rank %" PRIu64,
-                     id, ends[0], UINT64_MAX - ends[1]);
+    return bad_argument(
+        err, "object %" PRIu64 " is there twice: on rank %" PRIu64 " and on rank %" PRIu64, id,
+        ends[0], UINT64_MAX - ends[1]);
 }
 
 static bool compare_all(ranks *r, const uint64_t *ids, uint32_t n, duet_error *err)

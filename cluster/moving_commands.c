@@ -370,10 +370,10 @@ static bool act(moving *m, const command *c, command_part *parts, const uint64_t
 static void check_command(const moving *m, const command *c, duet_error *own)
 {
     if ((m->domains[0].motion->effects & DUET_EFFECT_DEPENETRATION) && m->counts.step == 0)
-        error_set(own, DUET_STATUS_BAD_ARGUMENT,
-                  "%s: with depenetration the first step comes before commands; expected "
-                  "duet_cluster_advance first",
-                  c->call);
+        bad_argument(own,
+                     "%s: with depenetration the first step comes before commands; expected "
+                     "duet_cluster_advance first",
+                     c->call);
     if (is_well(own))
         motion_needs(m->domains[0].motion, c->op->effect, c->call, own);
 }

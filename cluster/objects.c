@@ -289,8 +289,7 @@ bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t
     ok = ok && object_rows_begin(rows, form, n, err);
     for (uint32_t i = 0; ok && i < n; ++i) {
         if (i > 0 && sorted[i].id == sorted[i - 1].id)
-            ok = error_set(err, DUET_STATUS_BAD_ARGUMENT, "object %" PRIu64 " is there twice",
-                           sorted[i].id);
+            ok = bad_argument(err, "object %" PRIu64 " is there twice", sorted[i].id);
         rows->ids[i] = sorted[i].id;
         memcpy(object_row(rows, form, i),
                (const char *)objects + (size_t)sorted[i].row * form->bytes, form->bytes);

@@ -27,17 +27,17 @@ static bool share_weights(partition *p, ranks *r, double weight, duet_error *err
     bool ok =
         p->weights || error_set(err, DUET_STATUS_NO_MEMORY, "weights of %d ranks: no memory", r->n);
     if (ok && !(isfinite(weight) && weight >= 0))
-        ok = error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                       "weight is %g; expected a number above 0, or 0 on all ranks", weight);
+        ok =
+            bad_argument(err, "weight is %g; expected a number above 0, or 0 on all ranks", weight);
     if (!ranks_agree(r, ok, err))
         return false;
     ranks_gather(r, &weight, p->weights, sizeof weight);
     for (int q = 0; q < r->n; ++q)
         unknown += p->weights[q] == 0;
     if (unknown > 0 && unknown < r->n)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "weight is 0 on %d of %d ranks; expected numbers above 0, or 0 on all",
-                         unknown, r->n);
+        return bad_argument(err,
+                            "weight is 0 on %d of %d ranks; expected numbers above 0, or 0 on all",
+                            unknown, r->n);
     for (int q = 0; q < r->n; ++q)
         p->weights[q] = unknown ? 1 : p->weights[q];
     keep_weights(p, r);

@@ -46,9 +46,8 @@ static bool begin_mpi(ranks *r, duet_error *err)
     MPI_Initialized(&begun);
     MPI_Finalized(&ended);
     if (ended)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a cluster: MPI has ended in this process; expected MPI_Init before the "
-                         "first of several clusters");
+        return bad_argument(err, "a cluster: MPI has ended in this process; expected MPI_Init "
+                                 "before the first of several clusters");
     if (!begun)
         MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &level);
     r->began_mpi = !begun;
@@ -217,11 +216,10 @@ bool ranks_agree_on(ranks *r, const char *call, bool ok, tally *t, duet_error *e
         all.tally = *t;
     WAITING(r, MPI_Allreduce(MPI_IN_PLACE, &all, 1, r->agreement, r->merge, r->comm));
     if (all.least != all.most)
-        return error_set(
-            err, DUET_STATUS_BAD_ARGUMENT,
-            "rank %d on %s: %s, and another rank makes another call; expected the same "
-            "calls in the same order on all ranks",
-            r->self, r->host_name, *call ? call : "in the middle of one");
+        return bad_argument(err,
+                            "rank %d on %s: %s, and another rank makes another call; expected the "
+                            "same calls in the same order on all ranks",
+                            r->self, r->host_name, *call ? call : "in the middle of one");
     if (t)
         *t = all.tally;
     return all.failing == r->n || ranks_fail(r, all.failing, err);

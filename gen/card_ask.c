@@ -144,8 +144,7 @@ bool card_check(card *c, const gen_limits *limits, const gen_setting *config, ca
     if (!ask(check, &q, err))
         return false;
     *launch = q.launch;
-    return q.is_valid || error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: not a valid config: %s",
-                                   c->kernel, q.reason);
+    return q.is_valid || bad_argument(err, "%s: not a valid config: %s", c->kernel, q.reason);
 }
 
 // [1] the question

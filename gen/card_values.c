@@ -31,14 +31,13 @@ static bool check_value(const card *c, const gen_param *param, int64_t value, du
     if (card_has_value(param, value))
         return true;
     if (param->is_range)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %s=%" PRId64 " is not in %" PRId64 " .. %" PRId64, c->kernel,
-                         param->name, value, param->least, param->most);
+        return bad_argument(err, "%s: %s=%" PRId64 " is not in %" PRId64 " .. %" PRId64, c->kernel,
+                            param->name, value, param->least, param->most);
     text all = {0};
     for (uint32_t i = 0; i < param->n_values; ++i)
         text_add(&all, "%s%" PRId64, i > 0 ? ", " : "", param->values[i]);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s=%" PRId64 " is not one of %s", c->kernel,
-              param->name, value, text_chars(&all));
+    bad_argument(err, "%s: %s=%" PRId64 " is not one of %s", c->kernel, param->name, value,
+                 text_chars(&all));
     text_free(&all);
     return false;
 }
@@ -48,8 +47,7 @@ static bool refuse_name(const card *c, const char *name, duet_error *err)
     text all = {0};
     for (uint32_t i = 0; i < c->n_params; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", c->params[i].name);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: no parameter '%s': there are %s", c->kernel, name,
-              text_chars(&all));
+    bad_argument(err, "%s: no parameter '%s': there are %s", c->kernel, name, text_chars(&all));
     text_free(&all);
     return false;
 }

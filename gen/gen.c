@@ -37,9 +37,8 @@ static bool add_kernel(gen *g, const char *path, duet_error *err)
     g->kernels = grown;
     kernel *k = &grown[g->n_kernels];
     if (length >= sizeof k->name || folder >= sizeof k->folder)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: a kernel's name has at most %zu letters, its folder's %zu", path,
-                         sizeof k->name - 1, sizeof k->folder - 2);
+        return bad_argument(err, "%s: a kernel's name has at most %zu letters, its folder's %zu",
+                            path, sizeof k->name - 1, sizeof k->folder - 2);
     *k = (kernel){0};
     memcpy(k->name, name, length);
     memcpy(k->folder, path, folder);
@@ -103,8 +102,7 @@ static bool order_kernels(gen *g, duet_error *err)
     for (uint32_t i = 1; ok && i < g->n_kernels; ++i) {
         const kernel *k = &g->kernels[i];
         if (strcmp(k->name, k[-1].name) == 0)
-            ok = error_set(err, DUET_STATUS_BAD_INPUT,
-                           "kernel %s: its card is in %s and in %s; expected one", k->name,
+            ok = bad_input(err, "kernel %s: its card is in %s and in %s; expected one", k->name,
                            *k[-1].folder ? k[-1].folder : "./", *k->folder ? k->folder : "./");
     }
     return ok;
@@ -159,8 +157,7 @@ static kernel *make_place(gen *g, const char *name, duet_error *err)
 bool gen_add(gen *g, const char *name, const char *card_text, const char *body, duet_error *err)
 {
     if (!*name || strpbrk(name, "./"))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a kernel's name is '%.48s'; expected letters and digits", name);
+        return bad_argument(err, "a kernel's name is '%.48s'; expected letters and digits", name);
     kernel *k = make_place(g, name, err);
     if (!k)
         return false;
@@ -296,8 +293,8 @@ bool gen_config(gen *g, const char *name, const gen_limits *limits, uint64_t ind
     const valid_configs *valid = &k->valid;
     uint64_t count = valid->before[valid->n_blocks];
     if (index >= count)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: config %" PRIu64 " of %" PRIu64,
-                         k->card.kernel, index, count);
+        return bad_argument(err, "%s: config %" PRIu64 " of %" PRIu64, k->card.kernel, index,
+                            count);
     uint64_t block = block_of(valid, index), n = 0;
     return walk_block(&k->card, limits, block, index - valid->before[block] + 1, config, &n, err);
 }

@@ -200,11 +200,10 @@ kernel *kernel_find(gen *g, const char *name, duet_error *err)
     for (uint32_t i = 0; i < g->n_kernels; ++i)
         text_add(&all, "%s%s", i > 0 ? ", " : "", g->kernels[i].name);
     if (g->dir)
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s' in %s: there are %s%s", name,
-                  g->dir, text_chars(&all), gen_without(g));
+        bad_argument(err, "no kernel '%s' in %s: there are %s%s", name, g->dir, text_chars(&all),
+                     gen_without(g));
     else
-        error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s': there are %s", name,
-                  text_chars(&all));
+        bad_argument(err, "no kernel '%s': there are %s", name, text_chars(&all));
     text_free(&all);
     return NULL;
 }

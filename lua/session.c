@@ -45,8 +45,7 @@ static bool fail(session *s, duet_error *err)
     const char *message = lua_tolstring(s->lua, -1, &n);
     if (message)
         text_add_visible(&shown, message, n, "\n\r\t");
-    error_set(err, DUET_STATUS_BAD_INPUT, "%s",
-              message ? text_chars(&shown) : "an error that is not a text");
+    bad_input(err, "%s", message ? text_chars(&shown) : "an error that is not a text");
     text_free(&shown);
     lua_pop(s->lua, 1);
     return false;

@@ -84,8 +84,7 @@ bool profile_export_file(store *s, profile_export_format *format, const char *pa
 {
     output o;
     if (output_replaces(s->path, path))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: is the store itself; name another one",
-                         path);
+        return bad_argument(err, "%s: is the store itself; name another one", path);
     bool ok = output_open(&o, path, err) && format(s, o.stream, path, err);
     return output_close(&o, ok, err);
 }
@@ -102,8 +101,7 @@ typedef struct import {
 
 static bool bad_line(const import *in, duet_error *err, const char *what, const char *which)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s:%" PRIu64 ": %s%s", in->name, in->line, what,
-                     which);
+    return bad_input(err, "%s:%" PRIu64 ": %s%s", in->name, in->line, what, which);
 }
 
 // Says what is wrong with a line that breaks a constraint, in words of the line.
@@ -299,8 +297,7 @@ static bool take_file(import *in, FILE *file, duet_error *err)
                        strerror(errno));
     text_free(&line);
     if (ok && !in->has_lines)
-        ok = error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: is empty; expected what 'duet profiles export' wrote", in->name);
+        ok = bad_input(err, "%s: is empty; expected what 'duet profiles export' wrote", in->name);
     return ok;
 }
 
@@ -330,8 +327,7 @@ bool profile_merge(store *s, const char *other_path, profile_import_counts *coun
 {
     *counts = (profile_import_counts){0};
     if (output_replaces(s->path, other_path))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: is the store itself; name another one",
-                         other_path);
+        return bad_argument(err, "%s: is the store itself; name another one", other_path);
     store *other = store_open(other_path, STORE_READ, err);
     if (!other)
         return false;

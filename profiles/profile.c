@@ -214,12 +214,11 @@ bool profile_find(store *s, const char *uid, char whole[PROFILE_ID], duet_error 
     if (!sql_close(&q))
         return false;
     if (n == 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: no profile begins with '%s'; 'duet profiles list --dead' shows them",
-                         s->path, uid);
-    return n == 1 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: %" PRId64 " profiles begin with '%s'; give more digits", s->path, n, uid);
+        return bad_argument(
+            err, "%s: no profile begins with '%s'; 'duet profiles list --dead' shows them", s->path,
+            uid);
+    return n == 1 || bad_argument(err, "%s: %" PRId64 " profiles begin with '%s'; give more digits",
+                                  s->path, n, uid);
 }
 
 // The live profile of the same key gives way.
@@ -242,10 +241,10 @@ static bool check_trusted(store *s, const char *uid, duet_error *err)
     if (!sql_find(s, "SELECT id FROM profile WHERE uid = ? AND verdict = 'ambiguous'", uid, &id,
                   err))
         return false;
-    return id == 0 || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                "%s: profile %.8s cannot be put to use: its verdict is ambiguous; "
-                                "tune again",
-                                s->path, uid);
+    return id == 0 ||
+           bad_argument(
+               err, "%s: profile %.8s cannot be put to use: its verdict is ambiguous; tune again",
+               s->path, uid);
 }
 
 static bool run_on(store *s, const char *statement, const char *uid, duet_error *err)
@@ -272,9 +271,9 @@ bool profile_forget(store *s, const char *uid, duet_error *err)
 {
     char whole[PROFILE_ID];
     if (!*uid)
-        return error_set(
-            err, DUET_STATUS_BAD_ARGUMENT,
-            "%s: an empty name is no profile's; 'duet profiles list --dead' shows them", s->path);
+        return bad_argument(
+            err, "%s: an empty name is no profile's; 'duet profiles list --dead' shows them",
+            s->path);
     if (!store_begin(s, err))
         return false;
     bool ok = profile_find(s, uid, whole, err) &&

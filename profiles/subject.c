@@ -259,19 +259,15 @@ void profile_workload_family(const profile_workload *w, text *t)
 static bool check_fields(const profile_workload *w, duet_error *err)
 {
     if (w->dims != 2 && w->dims != 3)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload's dims are 2 or 3, not %u",
-                         w->dims);
+        return bad_argument(err, "a workload's dims are 2 or 3, not %u", w->dims);
     if (w->n == 0 || w->n > INT64_MAX)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload has at least one %s",
-                         w->query ? "item" : "object");
+        return bad_argument(err, "a workload has at least one %s", w->query ? "item" : "object");
     if (!w->shape || !w->level)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a workload needs a shape and a level");
+        return bad_argument(err, "a workload needs a shape and a level");
     if (!(isfinite(w->cell) && isfinite(w->occ_mean) && isfinite(w->occ_p99)))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a workload's cell and occupancy are numbers");
+        return bad_argument(err, "a workload's cell and occupancy are numbers");
     if (!(isfinite(w->size_ratio) && w->size_ratio >= 1))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a workload's size ratio is 1 or more, not %g", w->size_ratio);
+        return bad_argument(err, "a workload's size ratio is 1 or more, not %g", w->size_ratio);
     return true;
 }
 

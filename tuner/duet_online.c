@@ -32,8 +32,7 @@ static bool check_modes(const duet_online_def *def, duet_error *err)
 {
     for (uint32_t i = 0; i < def->n_modes; ++i)
         if (def->modes[i] >= DUET_MODE_DEFAULT)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "modes: %d; expected shared, own or slab", (int)def->modes[i]);
+            return bad_argument(err, "modes: %d; expected shared, own or slab", (int)def->modes[i]);
     return true;
 }
 
@@ -44,9 +43,8 @@ static bool check_share_alone(const duet_online_def *def, duet_error *err)
                         : def->n_variants ? "variants"
                         : def->keep       ? "keep"
                                           : NULL;
-    return !other || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                               "%s: expected none for a %s, whose share alone moves", other,
-                               def->motion ? "motion" : "task");
+    return !other || bad_argument(err, "%s: expected none for a %s, whose share alone moves", other,
+                                  def->motion ? "motion" : "task");
 }
 
 static bool check_motion(const duet_online_def *def, duet_error *err)
@@ -54,20 +52,17 @@ static bool check_motion(const duet_online_def *def, duet_error *err)
     if (!motion_is_whole(def->motion, "duet_online_create", err))
         return false;
     if (!def->motion->graph.world)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion finds no pairs; expected one with contact");
+        return bad_argument(err, "the motion finds no pairs; expected one with contact");
     return check_share_alone(def, err);
 }
 
 static bool check_def(const duet_online_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE || !def->world + !def->motion + !def->task != 2)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the def comes not from duet_default_online_def, or has no world, motion "
-                         "or task, or several; expected one");
+        return bad_argument(err, "the def comes not from duet_default_online_def, or has no world, "
+                                 "motion or task, or several; expected one");
     if (!(def->most_extra >= 0) || !isfinite(def->most_extra))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "most_extra is %g; expected a part, as 0.1",
-                         def->most_extra);
+        return bad_argument(err, "most_extra is %g; expected a part, as 0.1", def->most_extra);
     if (def->task)
         return check_share_alone(def, err);
     if (def->motion)
@@ -84,10 +79,10 @@ static bool list_variant(duet_online *o, const char *name, uint32_t *place, duet
         if (strcmp(o->variants[*place], name) == 0)
             return true;
     if (o->n_variants == PLAN_VARIANTS || strlen(name) >= DUET_VARIANT)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "variant '%.40s': expected at most %d variants, those of the world's plan "
-                         "counted, of less than %d characters",
-                         name, PLAN_VARIANTS, DUET_VARIANT);
+        return bad_argument(err,
+                            "variant '%.40s': expected at most %d variants, those of the world's "
+                            "plan counted, of less than %d characters",
+                            name, PLAN_VARIANTS, DUET_VARIANT);
     strcpy(o->variants[o->n_variants++], name);
     return true;
 }
@@ -216,8 +211,7 @@ static bool begin_frame(const duet_online *o, const void *followed, const char *
     if (!error_given(o, call, "online", err) || !error_given(result, call, "result", err))
         return false;
     if (!followed)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: the def had no %s; expected one", call,
-                         name);
+        return bad_argument(err, "%s: the def had no %s; expected one", call, name);
     return online_plan(&o->online, plan, err);
 }
 

@@ -48,8 +48,7 @@ static bool check_lists(const duet_tune_def *def, duet_error *err)
         ok = error_given(def->variants[i], call, "a variant", err);
     for (uint32_t i = 0; ok && i < def->n_modes; ++i)
         ok = (duet_mode_name(def->modes[i]) && def->modes[i] != DUET_MODE_DEFAULT) ||
-             error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected shared, own or slab",
-                       (int)def->modes[i]);
+             bad_argument(err, "mode is %d; expected shared, own or slab", (int)def->modes[i]);
     return ok;
 }
 
@@ -57,11 +56,10 @@ static bool check_levels(const duet_tune_def *def, duet_error *err)
 {
     for (uint32_t i = 0; i < def->n_levels; ++i)
         if (!duet_level_get_info(def->levels[i]))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                             (int)def->levels[i]);
+            return bad_argument(err, "level is %d; expected a duet_level", (int)def->levels[i]);
     if (def->n_levels > 1 && !def->has_accuracy)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%u levels, but no accuracy that one of them is chosen by", def->n_levels);
+        return bad_argument(err, "%u levels, but no accuracy that one of them is chosen by",
+                            def->n_levels);
     return !def->has_accuracy || accuracy_check(&def->accuracy, "the tuning's", err);
 }
 
@@ -69,10 +67,10 @@ static bool check_budget(const duet_tune_def *def, duet_error *err)
 {
     uint32_t least = trial_budget_least(def);
     return def->budget_trials == 0 || def->budget_trials >= least ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "a budget of %u %s ends before a verdict; expected at least %u, or fewer "
-                     "variants or modes",
-                     def->budget_trials, def->budget_trials == 1 ? "trial" : "trials", least);
+           bad_argument(err,
+                        "a budget of %u %s ends before a verdict; expected at least %u, or fewer "
+                        "variants or modes",
+                        def->budget_trials, def->budget_trials == 1 ? "trial" : "trials", least);
 }
 
 // "kernels", or the name of one that there is.
@@ -84,11 +82,13 @@ static bool check_search(const char *what, duet_error *err)
     uint32_t i = 0;
     while (g && gen_kernel(g, i) && strcmp(gen_kernel(g, i), what) != 0)
         ++i;
-    bool ok = g && (gen_kernel(g, i) ||
-                    error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                              "search '%s': expected 'kernels' or a kernel's name; 'duet source "
-                              "--list' lists them",
-                              what));
+    bool ok =
+        g &&
+        (gen_kernel(g, i) ||
+         bad_argument(
+             err,
+             "search '%s': expected 'kernels' or a kernel's name; 'duet source --list' lists them",
+             what));
     gen_close(g);
     return ok;
 }
@@ -96,9 +96,8 @@ static bool check_search(const char *what, duet_error *err)
 static bool check_times(const duet_tune_def *def, duet_error *err)
 {
     if (isnan(def->wait_seconds) || isnan(def->budget_seconds))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s_seconds is nan; expected a number of seconds",
-                         isnan(def->wait_seconds) ? "wait" : "budget");
+        return bad_argument(err, "%s_seconds is nan; expected a number of seconds",
+                            isnan(def->wait_seconds) ? "wait" : "budget");
     double wait;
     return def->wait_seconds >= 0 || variable_seconds("DUET_WAIT", WAIT_SECONDS, &wait, err);
 }
@@ -111,8 +110,7 @@ static bool makes_energy_small(const duet_tune_def *def)
 static bool check_objective(const duet_tune_def *def, duet_error *err)
 {
     return !def->objective || makes_energy_small(def) || strcmp(def->objective, "time") == 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objective '%s': expected 'time' or 'energy'",
-                     def->objective);
+           bad_argument(err, "objective '%s': expected 'time' or 'energy'", def->objective);
 }
 
 // Fills in what the def leaves open, from the scene or the defaults.
@@ -133,17 +131,14 @@ static duet_tune_def complete_def(const duet_tune_def *def)
 static bool check_def(const duet_tune_def *def, duet_error *err)
 {
     if (!def || def->cookie != COOKIE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the tuning's def does not come from duet_default_tune_def");
+        return bad_argument(err, "the tuning's def does not come from duet_default_tune_def");
     if (!def->pair || (!def->scene && !def->task) || !def->strategy)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the tuning's def lacks a pair, scene or strategy");
+        return bad_argument(err, "the tuning's def lacks a pair, scene or strategy");
     if (def->repeats > MEASURE_REPEATS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u launches a trial; expected at most %d",
-                         def->repeats, MEASURE_REPEATS);
+        return bad_argument(err, "%u launches a trial; expected at most %d", def->repeats,
+                            MEASURE_REPEATS);
     if (def->n_variants > RACE_RIVALS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u variants; expected at most %d",
-                         def->n_variants, RACE_RIVALS);
+        return bad_argument(err, "%u variants; expected at most %d", def->n_variants, RACE_RIVALS);
     if (!check_lists(def, err) || !check_times(def, err))
         return false;
     duet_tune_def whole = complete_def(def);

@@ -266,9 +266,9 @@ static bool check_fits(const replay *r, const duet_tune_def *def, script *own, d
         return strategy_check(def->strategy, err);
     bool joint = s->choice != STRATEGY_SHARE;
     return joint == r->surface->joint ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "strategy '%s' chooses %s; expected one for %s",
-                     s->name, joint ? "kernels and share" : "a share alone",
-                     joint ? "a share alone" : "kernels and share");
+           bad_argument(err, "strategy '%s' chooses %s; expected one for %s", s->name,
+                        joint ? "kernels and share" : "a share alone",
+                        joint ? "a share alone" : "kernels and share");
 }
 
 static bool tune(replay *r, const duet_tune_def *def, script *own, replay_outcome *outcome,

@@ -233,8 +233,7 @@ bool strategy_check(const char *name, duet_error *err)
         text_add(&known, "%s%s%s", i ? ", " : "",
                  first ? "and for kernels and share together " : "", strategies[i]->name);
     }
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "strategy '%s': there is none; there are %s", name,
-              text_chars(&known));
+    bad_argument(err, "strategy '%s': there is none; there are %s", name, text_chars(&known));
     text_free(&known);
     return false;
 }
@@ -247,8 +246,8 @@ bool search_begin(search *s, const char *name, const search_options *options, du
         return false;
     s->options.quantum = s->options.quantum ? s->options.quantum : 1;
     return s->strategy->choice == STRATEGY_SHARE ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "strategy '%s' chooses kernels too; expected one for the share alone", name);
+           bad_argument(err, "strategy '%s' chooses kernels too; expected one for the share alone",
+                        name);
 }
 
 static const strategy *share_strategy_at(uint32_t i)

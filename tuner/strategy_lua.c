@@ -31,8 +31,7 @@ script *strategy_lua_open(const char *name, const char *chars, duet_error *err)
     lua_pushcfunction(L, find_function);
     bool ok = script_run(s, name, chars, strlen(chars), 1, err) && script_call(s, 1, 2, err);
     if (ok && !lua_isfunction(L, FUNCTION))
-        ok = error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: the strategy is a %s; expected a function of the history", name,
+        ok = bad_input(err, "%s: the strategy is a %s; expected a function of the history", name,
                        luaL_typename(L, FUNCTION));
     if (!ok) {
         script_close(s);
@@ -194,8 +193,8 @@ static int call_function(lua_State *L)
 static bool ask(const search *h, search_next *next, duet_error *err)
 {
     if (!h->script)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "strategy 'lua': there is no script; expected a function in tune.lua");
+        return bad_argument(err,
+                            "strategy 'lua': there is no script; expected a function in tune.lua");
     lua_State *L = script_lua(h->script);
     lua_pushcfunction(L, call_function);
     lua_pushvalue(L, FUNCTION);

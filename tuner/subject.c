@@ -34,8 +34,7 @@ bool subject_check(const duet_tune_def *def, duet_error *err)
     unsigned foreign = asked(def) & ~kind->takes;
     for (uint32_t i = 0; i < sizeof names / sizeof *names; ++i)
         if (foreign & 1u << i)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s no %s; expected none", kind->has,
-                             names[i]);
+            return bad_argument(err, "%s no %s; expected none", kind->has, names[i]);
     return !kind->check || kind->check(def, err);
 }
 

@@ -26,10 +26,10 @@ static bool begin(subject *s, const duet_plan *plan, bool staged, duet_error *er
 static bool open(subject *s, duet_error *err)
 {
     if (s->def->steps < 2)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a run of %u step has none that counts, since the first builds kernels; "
-                         "expected 2 or more",
-                         s->def->steps);
+        return bad_argument(err,
+                            "a run of %u step has none that counts, since the first builds "
+                            "kernels; expected 2 or more",
+                            s->def->steps);
     if (!begin(s, &s->plan, false, err))
         return false;
     s->units = duet_scene_get_info(s->def->scene)->n;

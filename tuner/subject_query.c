@@ -44,10 +44,10 @@ static bool open_query(subject *s, const duet_scene_info *info, duet_error *err)
     query *q = s->state;
     const void *objects = duet_scene_get_objects(s->def->scene, scene_kind(info));
     if (q->n == 0 || q->n > UINT32_MAX || info->n == 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%llu items of a query of %u objects; expected 1 or more of both, and "
-                         "fewer than 2^32",
-                         (unsigned long long)q->n, info->n);
+        return bad_argument(
+            err,
+            "%llu items of a query of %u objects; expected 1 or more of both, and fewer than 2^32",
+            (unsigned long long)q->n, info->n);
     if (!open_tree(s, info, objects, err))
         return false;
     const item_objects among = {objects, info->n, info->dims, info->shape, info->origin_edge};

@@ -57,11 +57,11 @@ static bool check_budget(tuning *t, const trial *first, double launch_s)
                                                       (1 + limit_launches(t, VERDICT_REPEATS)) *
                                                       trial_budget_least(def);
     return def->budget_seconds <= 0 || least_s <= def->budget_seconds ||
-           error_set(&t->why, DUET_STATUS_BAD_ARGUMENT,
-                     "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected at "
-                     "least %.3g s",
-                     def->budget_seconds, (double)first->sample.total_ns * 1e-9,
-                     ceil(10 * least_s) / 10);
+           bad_argument(&t->why,
+                        "a budget of %.3g s ends before a verdict: a step takes %.3g s; expected "
+                        "at least %.3g s",
+                        def->budget_seconds, (double)first->sample.total_ns * 1e-9,
+                        ceil(10 * least_s) / 10);
 }
 
 bool tuning_stop(tuning *t)

@@ -141,10 +141,10 @@ static void fail_unmeasured(tuning *t)
 {
     if (t->failure.status != DUET_STATUS_OK)
         error_copy(&t->why, &t->failure);
-    error_set(&t->why, DUET_STATUS_BAD_ARGUMENT,
-              "the budget ended before the devices were compared; expected more than %u trials or "
-              "%.3g seconds",
-              t->state->played, (double)t->spent_ns * 1e-9);
+    bad_argument(&t->why,
+                 "the budget ended before the devices were compared; expected more than %u trials "
+                 "or %.3g seconds",
+                 t->state->played, (double)t->spent_ns * 1e-9);
 }
 
 // The plans to expect of two devices of one kind: the share by their units in the mode of the

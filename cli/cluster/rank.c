@@ -51,15 +51,15 @@ static bool read_weight(const run_state *r, double *weight, duet_error *err)
         char *end = NULL;
         double number = strtod(at, &end);
         if (end == at || (*end && *end != ',') || !(number > 0) || isinf(number))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "--weights '%s': give numbers above 0, as 1,1,2", r->args->weights);
+            return bad_argument(err, "--weights '%s': give numbers above 0, as 1,1,2",
+                                r->args->weights);
         *weight = n == r->rank ? number : *weight;
         more = *end == ',';
         at = end + 1;
     }
     return n == 0 || n == r->n_ranks ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "--weights '%s': %d numbers for %d ranks",
-                     r->args->weights, n, r->n_ranks);
+           bad_argument(err, "--weights '%s': %d numbers for %d ranks", r->args->weights, n,
+                        r->n_ranks);
 }
 
 // A CPU device has a thread for each of its cores, and a launcher may have put all of them on
@@ -141,14 +141,14 @@ static bool check_profile(const run_state *r, duet_error *err)
     if (!p)
         return true;
     if (info->dims != p->dims)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a profile in %uD, and %s is in %uD; expected the same",
-                         r->args->profile, p->dims, info->name, info->dims);
+        return bad_argument(err,
+                            "--profile '%s': a profile in %uD, and %s is in %uD; expected the same",
+                            r->args->profile, p->dims, info->name, info->dims);
     return strcmp(level, p->level) == 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--profile '%s': a profile at level %s, and this is at level %s; expected the "
-                     "same",
-                     r->args->profile, p->level, level);
+           bad_argument(
+               err,
+               "--profile '%s': a profile at level %s, and this is at level %s; expected the same",
+               r->args->profile, p->level, level);
 }
 
 // A given plan is kept, as in duet run; else each rank loads its profile.

@@ -58,9 +58,8 @@ static bool take_begin(moved *r, const char *resume, duet_error *err)
     r->last = (duet_cluster_motion_result){
         .step = counts.step, .bodies = counts.bodies, .ghosts = counts.ghosts};
     return counts.step <= r->args->steps ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--steps %" PRIu64 ": %s was saved at step %" PRIu64, r->args->steps, resume,
-                     counts.step);
+           bad_argument(err, "--steps %" PRIu64 ": %s was saved at step %" PRIu64, r->args->steps,
+                        resume, counts.step);
 }
 
 // A given plan is kept, as in duet run, and so are the ghosts of a tuning. Bodies that nothing

@@ -50,13 +50,12 @@ bool rank_tune_begin(rank_tune *t, duet_cluster *cluster, uint64_t steps, duet_e
     *t =
         (rank_tune){.cluster = cluster, .state = TUNE_RACING, .race = race_begin(RIVALS, &options)};
     if ((uint64_t)cluster->ranks.n * cluster->def.parts == 1)
-        return error_set(
-            err, DUET_STATUS_BAD_ARGUMENT,
-            "--tune-colours: one domain exchanges nothing; expected several ranks or parts");
+        return bad_argument(
+            err, "--tune-colours: one domain exchanges nothing; expected several ranks or parts");
     if (steps < fewest_steps(t))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--tune-colours: %" PRIu64 " steps are left; expected %" PRIu64 " or more",
-                         steps, fewest_steps(t));
+        return bad_argument(
+            err, "--tune-colours: %" PRIu64 " steps are left; expected %" PRIu64 " or more", steps,
+            fewest_steps(t));
     const uint64_t most = steps / fewest_steps(t);
     t->steps = most < STEPS_A_TURN ? (uint32_t)most : STEPS_A_TURN;
     cluster_objective(cluster, t->objective);

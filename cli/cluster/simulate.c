@@ -37,10 +37,10 @@ static const duet_stored_profile *find_profile(const duet_profile_list *list, co
         ++n;
     }
     if (n != 1)
-        error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                  "--profile '%s': %u profiles begin so; expected the first digits of one, as "
-                  "'duet profiles' shows them",
-                  uid, n);
+        bad_argument(err,
+                     "--profile '%s': %u profiles begin so; expected the first digits of one, as "
+                     "'duet profiles' shows them",
+                     uid, n);
     return n == 1 ? found : NULL;
 }
 
@@ -48,13 +48,13 @@ static const duet_stored_profile *find_profile(const duet_profile_list *list, co
 static bool check_steps(const simulated_job *job, const duet_stored_profile *p, duet_error *err)
 {
     if (*p->query)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--profile '%s': a profile of the query '%s'; expected one of steps",
-                         job->args.profile, p->query);
+        return bad_argument(err,
+                            "--profile '%s': a profile of the query '%s'; expected one of steps",
+                            job->args.profile, p->query);
     return strncmp(p->objective, CLUSTER_OVER_RANKS, strlen(CLUSTER_OVER_RANKS)) != 0 ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--profile '%s': a profile of %s; expected one of steps on one device pair",
-                     job->args.profile, p->objective);
+           bad_argument(err,
+                        "--profile '%s': a profile of %s; expected one of steps on one device pair",
+                        job->args.profile, p->objective);
 }
 
 // The most that a rank's step can take for each object.
@@ -76,9 +76,9 @@ static bool read_times(simulated_job *job, duet_error *err)
     s->traffic = p->moving ? ghost_traffics : NULL;
     s->object_seconds = p->step_ms * 1e-3 / (double)p->objects;
     return (s->object_seconds > 0 && s->object_seconds <= MOST_OBJECT_S) ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
-                     "profile %.8s of the store: its time of a step or its objects cannot "
-                     "be; expected what 'duet tune' wrote",
+           bad_input(err,
+                     "profile %.8s of the store: its time of a step or its objects cannot be; "
+                     "expected what 'duet tune' wrote",
                      p->uid);
 }
 

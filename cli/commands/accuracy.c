@@ -102,12 +102,10 @@ static bool check_plot(const char *path, duet_error *err)
 static bool check_given(const arguments *args, bool moves, duet_error *err)
 {
     if (moves && args->repeat > 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--repeat is of the levels of a scene that does not move; this one moves "
-                         "(--still takes it as it begins)");
+        return bad_argument(err, "--repeat is of the levels of a scene that does not move; this "
+                                 "one moves (--still takes it as it begins)");
     return moves || args->still || (args->time < 0 && args->limit < 0) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--time and --limit are of a scene that moves; this one does not");
+           bad_argument(err, "--time and --limit are of a scene that moves; this one does not");
 }
 
 static bool run(void *given, char **operands, duet_error *err)

@@ -347,10 +347,12 @@ static bool measure_scenes(bench *b, duet_error *err)
         ok = measure_scene(b, s, err);
     }
     progress_end(&b->shown);
-    return ok && (any || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                   "--scene '%s': the set has paper, paper2d, clustered, mixed, "
-                                   "planes and falling",
-                                   b->args->scene));
+    return ok &&
+           (any ||
+            bad_argument(
+                err,
+                "--scene '%s': the set has paper, paper2d, clustered, mixed, planes and falling",
+                b->args->scene));
 }
 
 static uint32_t count_results(const bench *b)

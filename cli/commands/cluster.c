@@ -253,10 +253,10 @@ bool cluster_may_start(duet_error *err)
 {
     unsigned long rank = 0, n_ranks = 0;
     return !cluster_job(&rank, &n_ranks) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
-                     "mpirun and --ranks",
-                     rank, n_ranks);
+           bad_argument(err,
+                        "--ranks: this is rank %lu of %lu of an MPI job already; expected one of "
+                        "mpirun and --ranks",
+                        rank, n_ranks);
 }
 
 static bool run(void *given, char **operands, duet_error *err)

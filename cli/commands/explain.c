@@ -130,11 +130,9 @@ static bool is_still(const costs *c)
 static bool check_given(const arguments *args, bool still, duet_error *err)
 {
     if (still && args->measure)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--measure is of a scene that moves; this one does not");
+        return bad_argument(err, "--measure is of a scene that moves; this one does not");
     return still || !args->level ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--level is of a scene that does not move; this one moves");
+           bad_argument(err, "--level is of a scene that does not move; this one moves");
 }
 
 static bool tell_search(const arguments *args, duet_device_pair *pair, const duet_scene *scene,

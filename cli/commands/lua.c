@@ -179,8 +179,7 @@ static char *read_typed(session *s, duet_error *err, bool *ran)
         return NULL;
     }
     if (more)
-        *ran = error_set(err, DUET_STATUS_BAD_INPUT, "typed: ends in the middle: %s",
-                         text_chars(&typed));
+        *ran = bad_input(err, "typed: ends in the middle: %s", text_chars(&typed));
     return typed.chars;
 }
 

@@ -48,7 +48,7 @@ static bool check_file(const cJSON *o, const char *path, duet_error *err)
         return costs_report_check(o, path, err);
     if (strcmp(type, BENCH_TYPE) == 0)
         return bench_check(o, path, err);
-    return error_set(err, DUET_STATUS_BAD_INPUT,
+    return bad_input(err,
                      "%s: no results of 'duet bench --output', 'duet accuracy --json' or 'duet "
                      "explain --measure --json'",
                      path);

@@ -100,9 +100,9 @@ static bool resume(moved *r, duet_error *err)
         return first || error_copy(err, &why);
     }
     uint64_t step = duet_motion_get_step(r->motion);
-    return step <= r->args->steps || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                               "--steps %" PRIu64 ": %s was saved at step %" PRIu64,
-                                               r->args->steps, path, step);
+    return step <= r->args->steps ||
+           bad_argument(err, "--steps %" PRIu64 ": %s was saved at step %" PRIu64, r->args->steps,
+                        path, step);
 }
 
 static bool open_replay(moved *r, duet_error *err)

@@ -47,8 +47,8 @@ static bool make_world(still *s, duet_error *err)
     bool idle_a =
         duet_device_pair_is_one(s->pair) && duet_world_get_plan(s->report.world)->share == 0;
     return !idle_a || !args->plan.variants[0] ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--variant-a: A and B are one device, which works as B; expected --variant");
+           bad_argument(
+               err, "--variant-a: A and B are one device, which works as B; expected --variant");
 }
 
 // A plan that was given is kept; else the world gets the one that was measured. A store that cannot

@@ -40,11 +40,10 @@ static bool print_scene(const char *name, duet_error *err)
     shipped_scene scene;
     bool found = shipped_find(name, &scene);
     if (!found && shipped_find_nearest(name, &scene))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "there is no scene '%s'; did you mean '%s'?", name, scene.name);
+        return bad_argument(err, "there is no scene '%s'; did you mean '%s'?", name, scene.name);
     if (!found)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "there is no scene '%s'; 'duet scenes' lists those there are", name);
+        return bad_argument(err, "there is no scene '%s'; 'duet scenes' lists those there are",
+                            name);
     fwrite(scene.file->bytes, 1, scene.file->length, stdout);
     return true;
 }

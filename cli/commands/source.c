@@ -79,8 +79,7 @@ static bool read_setting(const option_setting *given, settings *s, duet_error *e
     errno = 0;
     int64_t value = strtoll(given->value, &end, 10);
     if (*given->value == '\0' || *end != '\0' || errno != 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "--set '%s': give a whole number, as WG=64",
-                         given->written);
+        return bad_argument(err, "--set '%s': give a whole number, as WG=64", given->written);
     s->at[s->n++] = (gen_setting){given->name, value};
     return true;
 }
@@ -185,10 +184,8 @@ static bool check_name(gen *g, const char *name, duet_error *err)
         nearest_try(&n, gen_kernel(g, i));
     }
     if (n.name)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "no kernel '%s'; did you mean '%s'?", name,
-                         n.name);
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "no kernel '%s'; 'duet source --list' lists those there are", name);
+        return bad_argument(err, "no kernel '%s'; did you mean '%s'?", name, n.name);
+    return bad_argument(err, "no kernel '%s'; 'duet source --list' lists those there are", name);
 }
 
 static bool run(void *given, char **operands, duet_error *err)

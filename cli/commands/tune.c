@@ -109,10 +109,10 @@ static bool read_numbers(const char *list, number_list *numbers, duet_error *err
         const char *end = options_read_count(at, &number);
         if (!end || number > UINT32_MAX || (*end != ',' && *end != '\0') ||
             (*end == ',' && !end[1]) || numbers->n == MOST_NUMBERS)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "--objects '%s': give up to %d numbers with commas between them, as "
-                             "250000,500000",
-                             list, MOST_NUMBERS);
+            return bad_argument(
+                err,
+                "--objects '%s': give up to %d numbers with commas between them, as 250000,500000",
+                list, MOST_NUMBERS);
         numbers->items[numbers->n++] = (int64_t)number;
         at = *end == ',' ? end + 1 : end;
     }
@@ -129,7 +129,7 @@ static bool cut_list(text *copy, const char *list, const char *name, const char 
     *n = 0;
     for (char *at = copy->chars; at;) {
         if (*n == most)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: at most %u", name, most);
+            return bad_argument(err, "%s: at most %u", name, most);
         items[(*n)++] = at;
         at = strchr(at, ',');
         if (at)
@@ -164,9 +164,8 @@ static bool change_levels(const level_options *asked, tune_config *config, duet_
     if (asked->level && !read_levels(asked->level, config, err))
         return false;
     return config->def.n_levels < 2 || given ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--level %s: to choose one of several, give --missed or --false-rate",
-                     asked->level);
+           bad_argument(err, "--level %s: to choose one of several, give --missed or --false-rate",
+                        asked->level);
 }
 
 // ---------------------------------------------------------------- config
@@ -191,22 +190,19 @@ static bool check_operands(const arguments *args, const char *path, duet_error *
 {
     if (args->task)
         return !path ||
-               error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: with --task the file says what is tuned; expected no scene", path);
+               bad_argument(err, "%s: with --task the file says what is tuned; expected no scene",
+                            path);
     if (!path == !args->config)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "give a scene, as 'duet tune paper', or a tune file with --config");
+        return bad_argument(err,
+                            "give a scene, as 'duet tune paper', or a tune file with --config");
     if (args->config && args->numbers)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--objects: with --config the file says how many");
+        return bad_argument(err, "--objects: with --config the file says how many");
     if (args->config && args->query)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--query: with --config the file says what is asked");
+        return bad_argument(err, "--query: with --config the file says what is asked");
     if (args->config && args->steps)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "--steps: with --config the file says which scenes move");
+        return bad_argument(err, "--steps: with --config the file says which scenes move");
     return args->items == 0 || args->query ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "--items: give --query, whose items they are");
+           bad_argument(err, "--items: give --query, whose items they are");
 }
 
 // From the tune file, or for the one scene; then what options say.
@@ -318,10 +314,10 @@ static void aim_at(duet_tune_def *def, const config_workload *w, bool from_file)
 static bool check_query(const config_workload *w, const duet_device_pair *pair, duet_error *err)
 {
     return !w->query || !duet_device_pair_is_one(pair) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "query '%s': %s is one device and has no share to search; expected --pair "
-                     "with two, or halves",
-                     w->query, duet_device_pair_get_info(pair, 0)->selector);
+           bad_argument(err,
+                        "query '%s': %s is one device and has no share to search; expected --pair "
+                        "with two, or halves",
+                        w->query, duet_device_pair_get_info(pair, 0)->selector);
 }
 
 static bool check_strategy(const arguments *args, const duet_device_pair *pair, duet_error *err)
@@ -329,10 +325,10 @@ static bool check_strategy(const arguments *args, const duet_device_pair *pair, 
     if (args->strategy && !strategy_check(args->strategy, err))
         return false;
     return !duet_device_pair_is_one(pair) || (!args->strategy && !args->strategy_path) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "--strategy%s: %s is one device and has no share to search; expected --pair "
-                     "with two, or halves",
-                     args->strategy ? "" : "-lua", duet_device_pair_get_info(pair, 0)->selector);
+           bad_argument(err,
+                        "--strategy%s: %s is one device and has no share to search; expected "
+                        "--pair with two, or halves",
+                        args->strategy ? "" : "-lua", duet_device_pair_get_info(pair, 0)->selector);
 }
 
 static bool tune_loaded(const arguments *args, duet_tune_def *def, const config_workload *w,

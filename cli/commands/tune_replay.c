@@ -165,8 +165,8 @@ static bool fail_unwanted(const arguments *args, const profile_surface *surfaces
     for (uint32_t i = 0; i < n; ++i)
         text_add(&known, "%s%s -n %llu", i ? ", " : "", surfaces[i].scene,
                  (unsigned long long)surfaces[i].n);
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: does not have that workload; it has %s",
-              args->replay, text_chars(&known));
+    bad_argument(err, "%s: does not have that workload; it has %s", args->replay,
+                 text_chars(&known));
     text_free(&known);
     return false;
 }

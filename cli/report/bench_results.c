@@ -129,9 +129,8 @@ static bool check_samples(const cJSON *one, const char *where, duet_error *err)
     bool ok = n > 0 && n <= BENCH_SAMPLES_MOST;
     const cJSON *item;
     cJSON_ArrayForEach(item, samples) ok = ok && json_is_amount(item) && item->valuedouble > 0;
-    return ok ||
-           error_set(err, DUET_STATUS_BAD_INPUT, "%s: 'samples_ms' is not 1 to %d times above 0",
-                     where, BENCH_SAMPLES_MOST);
+    return ok || bad_input(err, "%s: 'samples_ms' is not 1 to %d times above 0", where,
+                           BENCH_SAMPLES_MOST);
 }
 
 static bool check_case(const cJSON *one, const char *where, duet_error *err)
@@ -169,16 +168,13 @@ static bool check_parts(const cJSON *o, const char *path, duet_error *err)
 bool bench_check(const cJSON *o, const char *path, duet_error *err)
 {
     if (strcmp(json_string(o, "type"), BENCH_TYPE) != 0)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: no results of 'duet bench --output'",
-                         path);
+        return bad_input(err, "%s: no results of 'duet bench --output'", path);
     if (json_number(o, "version") != VERSION)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: results of version %g; this Duet reads %d", path,
+        return bad_input(err, "%s: results of version %g; this Duet reads %d", path,
                          json_number(o, "version"), VERSION);
     const cJSON *cases = json_list(o, "cases");
     if (!cases || cJSON_GetArraySize(json_list(o, "devices")) != 2)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: 'cases' or the two 'devices' are missing",
-                         path);
+        return bad_input(err, "%s: 'cases' or the two 'devices' are missing", path);
     return check_cases(cases, path, err) && check_parts(o, path, err);
 }
 

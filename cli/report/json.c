@@ -24,7 +24,7 @@ cJSON *json_read(const char *path, duet_error *err)
     }
     text_free(&chars);
     if (!o)
-        error_set(err, DUET_STATUS_BAD_INPUT, "%s: not JSON", path);
+        bad_input(err, "%s: not JSON", path);
     return o;
 }
 
@@ -141,8 +141,7 @@ bool json_require(const cJSON *o, const json_field *fields, const char *where, d
 {
     for (const json_field *f = fields; f->name; ++f)
         if (!f->is(cJSON_GetObjectItemCaseSensitive(o, f->name)))
-            return error_set(err, DUET_STATUS_BAD_INPUT, "%s: '%s' is not %s", where, f->name,
-                             f->what);
+            return bad_input(err, "%s: '%s' is not %s", where, f->name, f->what);
     return true;
 }
 

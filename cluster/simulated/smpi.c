@@ -143,8 +143,8 @@ static bool check_platform(const char *platform, int n_ranks, duet_error *err)
     close(told[1]);
     bool ran = child > 0 && waitpid(child, &status, 0) == child;
     read_reason(told[0], reason, sizeof reason);
-    return (ran && status == 0) || error_set(err, DUET_STATUS_BAD_INPUT,
-                                             "%s: no platform of SimGrid: %s", platform, reason);
+    return (ran && status == 0) ||
+           bad_input(err, "%s: no platform of SimGrid: %s", platform, reason);
 }
 
 // ---------------------------------------------------------------- ranks

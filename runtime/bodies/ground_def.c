@@ -11,15 +11,13 @@ bool ground_def_check(const duet_motion_def *def, duet_error *err)
     if (!ground_def_is_given(def))
         return true;
     if (def->heights && def->mesh)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the def has heights and a mesh; expected one ground");
+        return bad_argument(err, "the def has heights and a mesh; expected one ground");
     if (def->dims != 3 || def->origin_edge != 0.0f)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "heights and meshes are for motions in 3D without origin cells");
+        return bad_argument(err, "heights and meshes are for motions in 3D without origin cells");
     if (material > def->n_materials)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the ground's material is %u; expected one of the def's %u materials",
-                         material, def->n_materials);
+        return bad_argument(err,
+                            "the ground's material is %u; expected one of the def's %u materials",
+                            material, def->n_materials);
     return def->mesh ? mesh_check(def->mesh, err) : heights_check(def->heights, err);
 }
 
@@ -28,12 +26,11 @@ bool ground_def_check_carrier(const duet_motion_def *def, const duet_body *bodie
 {
     uint32_t carrier = ground_def_carrier(def);
     if (carrier > n)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the mesh's carrier is body %u; expected one of %u bodies", carrier - 1,
-                         n);
+        return bad_argument(err, "the mesh's carrier is body %u; expected one of %u bodies",
+                            carrier - 1, n);
     const duet_body *b = carrier > 0 ? &bodies[carrier - 1] : NULL;
     return !b || (b->mass == 0.0f && b->radius == 0.0f) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "body %u, the mesh's carrier, has the mass %g and the radius %g; expected 0",
-                     carrier - 1, (double)b->mass, (double)b->radius);
+           bad_argument(
+               err, "body %u, the mesh's carrier, has the mass %g and the radius %g; expected 0",
+               carrier - 1, (double)b->mass, (double)b->radius);
 }

@@ -51,20 +51,18 @@ static const char *pair_fault(const duet_motion_def *def, const duet_material_pa
 bool materials_check(const duet_motion_def *def, duet_error *err)
 {
     if (def->n_materials >= DUET_MATERIALS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "n_materials is %u; expected at most %d",
-                         def->n_materials, DUET_MATERIALS - 1);
+        return bad_argument(err, "n_materials is %u; expected at most %d", def->n_materials,
+                            DUET_MATERIALS - 1);
     if (def->n_material_pairs > DUET_MATERIAL_PAIRS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "n_material_pairs is %u; expected at most %d", def->n_material_pairs,
-                         DUET_MATERIAL_PAIRS);
+        return bad_argument(err, "n_material_pairs is %u; expected at most %d",
+                            def->n_material_pairs, DUET_MATERIAL_PAIRS);
     const char *fault = NULL;
     for (uint32_t i = 1; i <= def->n_materials; ++i)
         if ((fault = material_fault(&def->materials[i])))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "material %u: expected %s", i, fault);
+            return bad_argument(err, "material %u: expected %s", i, fault);
     for (uint32_t i = 0; i < def->n_material_pairs; ++i)
         if ((fault = pair_fault(def, &def->material_pairs[i])))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "pair %u of materials: expected %s",
-                             i + 1, fault);
+            return bad_argument(err, "pair %u of materials: expected %s", i + 1, fault);
     return true;
 }
 

@@ -77,12 +77,12 @@ static bool check_numbers(const duet_motion_def *def, duet_error *err)
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
         if (!is_between(numbers[i].value, numbers[i].least, 1e30))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is %g; expected %s",
-                             numbers[i].name, numbers[i].value, numbers[i].right);
+            return bad_argument(err, "%s is %g; expected %s", numbers[i].name, numbers[i].value,
+                                numbers[i].right);
     for (int k = 0; k < 3; ++k)
         if (!isfinite(def->gravity[k]) || !isfinite(def->centre[k]) || !isfinite(def->origin[k]))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%c of gravity, centre or origin is not a finite number", "xyz"[k]);
+            return bad_argument(err, "%c of gravity, centre or origin is not a finite number",
+                                "xyz"[k]);
     return true;
 }
 
@@ -90,10 +90,9 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
 {
     for (uint32_t k = 0; def->boundary != DUET_BOUNDARY_NONE && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] >= def->upper[k])
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "the walls across %c are at %g and %g; expected finite and "
-                             "rising",
-                             "xyz"[k], def -> lower[k], def -> upper[k]);
+            return bad_argument(err,
+                                "the walls across %c are at %g and %g; expected finite and rising",
+                                "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
 }
 
@@ -101,19 +100,16 @@ static bool check_edge(const duet_motion_def *def, duet_error *err)
 static bool check_origin(const duet_motion_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin_edge))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "origin_edge is %g; expected 0, or a power of two from 2^-100 to "
-                         "2^100",
-                         (double)def->origin_edge);
+        return bad_argument(err,
+                            "origin_edge is %g; expected 0, or a power of two from 2^-100 to 2^100",
+                            (double)def->origin_edge);
     if (def->origin_edge == 0.0f)
         return true;
     if (def->doubles)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "origin cells are for a state in float; expected doubles = false");
+        return bad_argument(err, "origin cells are for a state in float; expected doubles = false");
     return (def->boundary == DUET_BOUNDARY_NONE && def->attraction == 0.0) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "walls, a periodic world and an attraction know no origin cells; expected "
-                     "doubles, and no origin cells");
+           bad_argument(err, "walls, a periodic world and an attraction know no origin cells; "
+                             "expected doubles, and no origin cells");
 }
 
 bool motion_check_def(const duet_motion_def *def, duet_error *err)
@@ -122,19 +118,16 @@ bool motion_check_def(const duet_motion_def *def, duet_error *err)
         !error_def_pair(def->pair, "motion", err) || !error_def_dims(def->dims, err))
         return false;
     if (def->substeps > 1000)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "substeps is %u; expected 0 (chosen for the scene), or 1 to 1000",
-                         def->substeps);
+        return bad_argument(err, "substeps is %u; expected 0 (chosen for the scene), or 1 to 1000",
+                            def->substeps);
     if (def->integrator > DUET_INTEGRATOR_YOSHIDA)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "integrator is %d; expected a duet_integrator", (int)def->integrator);
+        return bad_argument(err, "integrator is %d; expected a duet_integrator",
+                            (int)def->integrator);
     if (def->boundary > DUET_BOUNDARY_PERIODIC)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "boundary is %d; expected a duet_boundary",
-                         (int)def->boundary);
+        return bad_argument(err, "boundary is %d; expected a duet_boundary", (int)def->boundary);
     if (def->doubles && !def->pair->devices[1].info.fp64)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s has no double; expected doubles = false",
-                         def->pair->devices[1].info.selector);
+        return bad_argument(err, "%s has no double; expected doubles = false",
+                            def->pair->devices[1].info.selector);
     return check_numbers(def, err) && materials_check(def, err) && check_edge(def, err) &&
            check_origin(def, err) && ground_def_check(def, err);
 }

@@ -214,9 +214,8 @@ static bool list_offers(part *p, duet_error *err)
         variant_setting *s = &p->variant.settings[i];
         for (int k = 0; k < PART_CHOICES; ++k)
             if (!p->choices[k].open && strcmp(p->choices[k].name, s->name) == 0)
-                return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                 "variant: %s is what the scene decides, and cannot be set",
-                                 s->name);
+                return bad_argument(err, "variant: %s is what the scene decides, and cannot be set",
+                                    s->name);
         p->offers[p->n_offers++] = (gen_offer){s->kernel, s->name, s->value, GEN_OFFERED, &s->used};
     }
     return true;
@@ -305,9 +304,8 @@ static bool build(part *p, duet_error *err)
     for (uint32_t i = 0; i < p->variant.n_settings; ++i) {
         const variant_setting *s = &p->variant.settings[i];
         if (!is_known(s))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "variant: no kernel that it runs has a parameter '%s%s%s'", s->kernel,
-                             s->kernel[0] ? "." : "", s->name);
+            return bad_argument(err, "variant: no kernel that it runs has a parameter '%s%s%s'",
+                                s->kernel, s->kernel[0] ? "." : "", s->name);
     }
     return program_set_build(p->programs, err);
 }

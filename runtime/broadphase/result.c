@@ -220,8 +220,7 @@ bool duet_world_leave_pairs(duet_world *world, int side, cl_mem pairs, cl_mem co
     if (!world_is_idle(world, __func__, err))
         return false;
     if (side != 0 && side != 1)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: device is %d; expected 0 for A, 1 for B", __func__, side);
+        return bad_argument(err, "%s: device is %d; expected 0 for A, 1 for B", __func__, side);
     const device *devices = world->def.pair->devices;
     const buffer_need pairs_need = {__func__, "pairs", BUFFER_WRITTEN, sizeof(duet_pair)};
     const buffer_need count_need = {__func__, "count", BUFFER_WRITTEN, sizeof(cl_ulong)};
@@ -257,9 +256,8 @@ bool duet_world_get_pair_buffers(duet_world *world, duet_pair_buffers *buffers, 
     if (!world_is_idle(world, __func__, err) || !error_given(buffers, __func__, "buffers", err))
         return false;
     *buffers = world->left.last.pairs ? world->left.last : (duet_pair_buffers){0};
-    return buffers->pairs ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: no step has left its pairs in a buffer; expected duet_world_leave_pairs, "
-                     "then a step",
-                     __func__);
+    return buffers->pairs || bad_argument(err,
+                                          "%s: no step has left its pairs in a buffer; expected "
+                                          "duet_world_leave_pairs, then a step",
+                                          __func__);
 }

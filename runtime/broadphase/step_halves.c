@@ -47,9 +47,8 @@ bool duet_world_step_begin_event(duet_world *world, cl_event *done, duet_error *
         return false;
     *done = NULL;
     if (!world->left.device)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: pairs come to the host; expected duet_world_leave_pairs first",
-                         __func__);
+        return bad_argument(
+            err, "%s: pairs come to the host; expected duet_world_leave_pairs first", __func__);
     if (!background_open(&world->background, err))
         return false;
     cl_event event = clCreateUserEvent(world->left.device->context, &code);
@@ -68,9 +67,8 @@ bool duet_world_step_end(duet_world *world, duet_result *result, duet_error *err
         !error_given(result, __func__, "result", err))
         return false;
     if (!world_is_under_way(world))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: no step is under way; expected duet_world_step_begin first",
-                         __func__);
+        return bad_argument(err, "%s: no step is under way; expected duet_world_step_begin first",
+                            __func__);
     bool ok = background_end(&world->background, err);
     *result = world->half.result;
     return ok;

@@ -31,8 +31,7 @@ static bool take_search(variant *v, const char *word, bool cpu, duet_error *err)
         v->fused = searches[i].fused;
         return true;
     }
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "variant '%s': expected auto, simd, gpu or paper", word);
+    return bad_argument(err, "variant '%s': expected auto, simd, gpu or paper", word);
 }
 
 // The words that a setting may be, by their numbers.
@@ -55,8 +54,7 @@ static int read_word(const setting_words *of, const char *value, duet_error *err
     for (int i = 0; of->words[i]; ++i)
         if (*value && strcmp(value, of->words[i]) == 0)
             return i;
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: %s=%s is not possible; expected %s",
-              of->name, value, of->expected);
+    bad_argument(err, "variant: %s=%s is not possible; expected %s", of->name, value, of->expected);
     return -1;
 }
 
@@ -65,11 +63,9 @@ static bool take_number(variant *v, char *word, const char *value, duet_error *e
     char *end = NULL;
     long long number = strtoll(value, &end, 0);
     if (*end)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "variant: %s=%s: the value is not a whole number", word, value);
+        return bad_argument(err, "variant: %s=%s: the value is not a whole number", word, value);
     if (v->n_settings == VARIANT_SETTINGS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: more than %d settings",
-                         VARIANT_SETTINGS);
+        return bad_argument(err, "variant: more than %d settings", VARIANT_SETTINGS);
     char *dot = strchr(word, '.');
     if (dot)
         *dot = '\0';
@@ -86,7 +82,7 @@ static bool take_setting(variant *v, char *word, duet_error *err)
 {
     char *equals = strchr(word, '=');
     if (!equals || equals == word || !equals[1])
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: '%s' is not NAME=VALUE", word);
+        return bad_argument(err, "variant: '%s' is not NAME=VALUE", word);
     *equals = '\0';
     const char *value = equals + 1;
     int read = 0;
@@ -108,8 +104,7 @@ bool variant_parse(variant *v, const char *text, const duet_device_info *device,
     *v = (variant){.send = SEND_ALL};
     char words[sizeof(((duet_plan *)0)->variant_a)];
     if (snprintf(words, sizeof words, "%s", text) >= (int)sizeof words)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "variant: longer than %zu characters",
-                         sizeof words - 1);
+        return bad_argument(err, "variant: longer than %zu characters", sizeof words - 1);
     char *rest = NULL;
     char *word = strtok_r(words, " ,", &rest);
     bool ok = take_search(v, word ? word : "", device->kind == DUET_KIND_CPU, err);

@@ -52,23 +52,21 @@ static bool check_world_box(const duet_world_def *def, duet_error *err)
 {
     for (uint32_t k = 0; def->has_world && k < def->dims; ++k)
         if (!isfinite(def->lower[k]) || !isfinite(def->upper[k]) || def->lower[k] > def->upper[k])
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "the world's %c runs from %g to %g; expected finite and rising",
-                             "xyz"[k], def -> lower[k], def -> upper[k]);
+            return bad_argument(err,
+                                "the world's %c runs from %g to %g; expected finite and rising",
+                                "xyz"[k], def -> lower[k], def -> upper[k]);
     return true;
 }
 
 static bool check_origin(const duet_world_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin_edge))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "origin_edge is %g; expected 0, or a power of "
-                         "two from 2^-100 to 2^100",
-                         (double)def->origin_edge);
+        return bad_argument(err,
+                            "origin_edge is %g; expected 0, or a power of two from 2^-100 to 2^100",
+                            (double)def->origin_edge);
     return def->origin_edge == 0.0f || def->shape == DUET_SHAPE_POSES ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "origin cells are for poses; expected an origin_edge of 0 for %s",
-                     world_objects_name(def));
+           bad_argument(err, "origin cells are for poses; expected an origin_edge of 0 for %s",
+                        world_objects_name(def));
 }
 
 static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
@@ -77,9 +75,9 @@ static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
     duet_world_def plain_def = *def;
     plain_def.separate_sizes = plain_def.compact_transforms = false;
     return plain || !(def->separate_sizes || def->compact_transforms) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s is for poses; expected false for %s",
-                     def->compact_transforms ? "compact_transforms" : "separate_sizes",
-                     world_objects_name(&plain_def));
+           bad_argument(err, "%s is for poses; expected false for %s",
+                        def->compact_transforms ? "compact_transforms" : "separate_sizes",
+                        world_objects_name(&plain_def));
 }
 
 bool world_check_def(const duet_world_def *def, duet_error *err)
@@ -88,16 +86,13 @@ bool world_check_def(const duet_world_def *def, duet_error *err)
         !error_def_dims(def->dims, err))
         return false;
     if (def->shape < DUET_SHAPE_POSES || def->shape >= DUET_SHAPES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
-                         (int)def->shape);
+        return bad_argument(err, "shape is %d; expected a duet_shape", (int)def->shape);
     if (!duet_level_get_info(def->level))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                         (int)def->level);
+        return bad_argument(err, "level is %d; expected a duet_level", (int)def->level);
     if (def->has_accuracy && !accuracy_check(&def->accuracy, "the world's", err))
         return false;
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "cell is %g; expected 0 or an edge above 0",
-                         def->cell);
+        return bad_argument(err, "cell is %g; expected 0 or an edge above 0", def->cell);
     return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
 }
 
@@ -119,19 +114,17 @@ static bool find_wish(grid_wish *wish, const duet_plan *plan, const variant *a, 
     wish->kinds = hashed ? GRID_ONLY_HASHED : dense ? GRID_ONLY_DENSE : GRID_ANY;
     wish->n_levels = uniform ? 1 : 0;
     if (hashed && (dense || uniform))
-        return error_set(
-            err, DUET_STATUS_BAD_ARGUMENT,
-            "a hashed grid suits neither the paper's search nor slabs nor another grid "
-            "on the other device ('%s', '%s', mode %s)",
-            plan->variant_a, plan->variant_b, duet_mode_name(plan->mode));
+        return bad_argument(err,
+                            "a hashed grid suits neither the paper's search nor slabs nor another "
+                            "grid on the other device ('%s', '%s', mode %s)",
+                            plan->variant_a, plan->variant_b, duet_mode_name(plan->mode));
     return true;
 }
 
 static bool check_ends(const char *name, const char *chars, size_t capacity, duet_error *err)
 {
     return memchr(chars, '\0', capacity) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s has no end within its %zu bytes", name,
-                     capacity);
+           bad_argument(err, "%s has no end within its %zu bytes", name, capacity);
 }
 
 // Reads what the plan asks of the grid and of each device.
@@ -144,12 +137,10 @@ static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *pla
         !check_ends("variant_b", plan->variant_b, sizeof plan->variant_b, err))
         return false;
     if (plan->share > DUET_SHARE_ONE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "share is %u of %u; expected at most all of it", plan->share,
-                         DUET_SHARE_ONE);
+        return bad_argument(err, "share is %u of %u; expected at most all of it", plan->share,
+                            DUET_SHARE_ONE);
     if (plan->mode < DUET_MODE_SHARED || plan->mode > DUET_MODE_DEFAULT)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "mode is %d; expected a duet_mode",
-                         (int)plan->mode);
+        return bad_argument(err, "mode is %d; expected a duet_mode", (int)plan->mode);
     if (!variant_parse(a, plan->variant_a, &def->pair->devices[0].info, err) ||
         !variant_parse(b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
@@ -160,17 +151,15 @@ static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *pla
                           : def->shape == DUET_SHAPE_SPHERES       ? "spheres"
                                                                    : NULL;
     if (paper && unknown)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the paper's search knows no %s ('%s', '%s'); expected "
-                         "auto, simd or gpu",
-                         unknown, plan->variant_a, plan->variant_b);
+        return bad_argument(
+            err, "the paper's search knows no %s ('%s', '%s'); expected auto, simd or gpu", unknown,
+            plan->variant_a, plan->variant_b);
     if (plan->mode == DUET_MODE_SHARED &&
         (a->search == SEARCH_PAPER) != (b->search == SEARCH_PAPER))
-        return error_set(
-            err, DUET_STATUS_BAD_ARGUMENT,
-            "mode shared: A cannot search B's grid as '%s' where B does '%s'; expected "
-            "the same search, or mode own",
-            plan->variant_a, plan->variant_b);
+        return bad_argument(err,
+                            "mode shared: A cannot search B's grid as '%s' where B does '%s'; "
+                            "expected the same search, or mode own",
+                            plan->variant_a, plan->variant_b);
     return find_wish(wish, plan, a, b, err);
 }
 
@@ -277,8 +266,7 @@ bool duet_world_set_level(duet_world *world, duet_level level, duet_error *err)
     if (!world_is_idle(world, __func__, err))
         return false;
     if (!duet_level_get_info(level))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                         (int)level);
+        return bad_argument(err, "level is %d; expected a duet_level", (int)level);
     world_change_level(world, level);
     world->def.has_accuracy = false;
     return true;

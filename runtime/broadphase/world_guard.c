@@ -13,7 +13,7 @@ bool world_is_idle(const duet_world *world, const char *call, duet_error *err)
 {
     return error_given(world, call, "world", err) &&
            (!world_is_under_way(world) ||
-            error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                      "%s: a step of the world is under way; expected duet_world_step_end first",
-                      call));
+            bad_argument(err,
+                         "%s: a step of the world is under way; expected duet_world_step_end first",
+                         call));
 }

@@ -159,9 +159,8 @@ static bool search_sees(const duet_world *world)
 static bool has_sizes(const duet_world *world, duet_error *err)
 {
     return !world->def.separate_sizes || world->objects.sizes.n == world->objects.all.n ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%u objects have a transform and %u a size; expected as many of each",
-                     world->objects.all.n, world->objects.sizes.n);
+           bad_argument(err, "%u objects have a transform and %u a size; expected as many of each",
+                        world->objects.all.n, world->objects.sizes.n);
 }
 
 bool world_take_objects(duet_world *world, bool seen, duet_error *err)

@@ -13,12 +13,11 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
     if (!world_is_idle(world, call, err))
         return false;
     if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SPHERES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "kind is %d; expected a duet_object_kind",
-                         (int)kind);
+        return bad_argument(err, "kind is %d; expected a duet_object_kind", (int)kind);
     bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
     if (kind != world->objects.kind && !size)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the world was made for %s, not for %s",
-                         world_kind_name(world->objects.kind), world_kind_name(kind));
+        return bad_argument(err, "the world was made for %s, not for %s",
+                            world_kind_name(world->objects.kind), world_kind_name(kind));
     return n <= DUET_MOST_OBJECTS ||
            error_set(err, DUET_STATUS_TOO_MANY, "%u objects; a world holds at most %u", n,
                      DUET_MOST_OBJECTS);

@@ -173,9 +173,8 @@ static bool check_carrier(const duet_motion *m, const command *c, duet_error *er
     uint32_t carrier = ground_def_carrier(&m->def);
     for (uint32_t i = 0; i < c->list.n; ++i)
         if (c->places[i] + 1 == carrier)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: body %u of %u carries the mesh; expected others", c->op->call, i,
-                             c->list.n);
+            return bad_argument(err, "%s: body %u of %u carries the mesh; expected others",
+                                c->op->call, i, c->list.n);
     return true;
 }
 

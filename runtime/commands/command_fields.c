@@ -126,8 +126,8 @@ bool check_set_bodies(duet_motion *m, command *c, duet_error *err)
 {
     const duet_body *given = c->rows;
     if (c->fields & ~(uint32_t)DUET_BODY_ALL)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: fields is %#x; expected bits of duet_body_field", c->call, c->fields);
+        return bad_argument(err, "%s: fields is %#x; expected bits of duet_body_field", c->call,
+                            c->fields);
     if (!command_copy(m, c, err))
         return false;
     for (uint32_t i = 0; i < c->list.n; ++i)
@@ -176,20 +176,18 @@ static bool check_same(const duet_motion_def *a, const duet_motion_def *b, const
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
         if (same[i].of != same[i].motion)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: %s is %g; expected the motion's %g, which cannot change", call,
-                             same[i].name, same[i].of, same[i].motion);
+            return bad_argument(err, "%s: %s is %g; expected the motion's %g, which cannot change",
+                                call, same[i].name, same[i].of, same[i].motion);
     if (!materials_are_same(a, b))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: the materials are others; expected the motion's, which cannot change",
-                         call);
+        return bad_argument(
+            err, "%s: the materials are others; expected the motion's, which cannot change", call);
     if ((a->attraction != 0.0) != (b->attraction != 0.0))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: the attraction is %g, the motion's %g; expected none or both to be 0",
-                         call, a->attraction, b->attraction);
+        return bad_argument(
+            err, "%s: the attraction is %g, the motion's %g; expected none or both to be 0", call,
+            a->attraction, b->attraction);
     return a->pair == b->pair ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: pair is another; expected the motion's, which cannot change", call);
+           bad_argument(err, "%s: pair is another; expected the motion's, which cannot change",
+                        call);
 }
 
 // The motion's ground, plan and chosen substeps stay.

@@ -78,8 +78,7 @@ static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
 static bool check_kinematic(const duet_motion *m, const command *c, duet_error *err)
 {
     if (m->def.dt == 0.0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: dt is 0; expected steps that take a time", c->call);
+        return bad_argument(err, "%s: dt is 0; expected steps that take a time", c->call);
     for (uint32_t i = 0; i < c->list.n; ++i)
         if (c->bodies[i].mass > 0.0f)
             return command_fail(c, i, DUET_STATUS_BAD_ARGUMENT, err,

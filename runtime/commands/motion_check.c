@@ -28,14 +28,12 @@ static double real_of(const duet_motion *m, const motion_saved *s, motion_buffer
 
 static bool bad_object(const motion_saved *s, uint32_t id, const char *what, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's object %u: %s", s->path,
-                     id, what);
+    return bad_input(err, "%s: the saved motion's object %u: %s", s->path, id, what);
 }
 
 static bool bad_contact(const motion_saved *s, uint32_t i, const char *what, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's contact %u: %s", s->path,
-                     i, what);
+    return bad_input(err, "%s: the saved motion's contact %u: %s", s->path, i, what);
 }
 
 // ---------------------------------------------------------------- objects
@@ -129,13 +127,11 @@ static bool check_counts(const duet_motion *m, const motion_saved *s, duet_error
     bool contact = m->effects & DUET_EFFECT_CONTACT;
     uint64_t most = motion_most_contacts(m, s->n_pairs);
     if (s->has_graph > contact || (!s->has_graph && (s->n_contacts > 0 || s->n_pairs > 0)))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: the saved motion has %u contacts, but nothing that finds them",
+        return bad_input(err, "%s: the saved motion has %u contacts, but nothing that finds them",
                          s->path, s->n_contacts);
     return (s->n_pairs < UINT32_MAX && s->n_contacts <= most) ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: the saved motion has %u contacts of %llu pairs", s->path, s->n_contacts,
-                     (unsigned long long)s->n_pairs);
+           bad_input(err, "%s: the saved motion has %u contacts of %llu pairs", s->path,
+                     s->n_contacts, (unsigned long long)s->n_pairs);
 }
 
 // Starts rise from 0 to `last`.
@@ -146,10 +142,9 @@ static bool check_starts(const duet_motion *m, const motion_saved *s, motion_buf
     bool ok = starts[0] == 0 && starts[m->n] == last;
     for (uint32_t id = 0; ok && id < m->n; ++id)
         ok = starts[id] <= starts[id + 1];
-    return ok || error_set(err, DUET_STATUS_BAD_INPUT,
-                           "%s: the saved motion's rows do not rise from 0 to the %u that there "
-                           "are",
-                           s->path, last);
+    return ok ||
+           bad_input(err, "%s: the saved motion's rows do not rise from 0 to the %u that there are",
+                     s->path, last);
 }
 
 static bool may_touch(const duet_motion *m, uint32_t a, uint32_t b)
@@ -275,10 +270,9 @@ static bool check_returns(const duet_motion *m, const motion_saved *s, uint32_t 
             return bad_contact(s, i, "its other object does not list it", err);
         ++n;
     }
-    return n == starts[m->n] || error_set(err, DUET_STATUS_BAD_INPUT,
-                                          "%s: the saved motion's objects list %u contacts, and "
-                                          "there are %u",
-                                          s->path, starts[m->n], n);
+    return n == starts[m->n] ||
+           bad_input(err, "%s: the saved motion's objects list %u contacts, and there are %u",
+                     s->path, starts[m->n], n);
 }
 
 // That links, from which contacts are taken over, are of objects that there are.

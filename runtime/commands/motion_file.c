@@ -224,7 +224,7 @@ static bool check_head(const duet_motion *m, const saved_head *h, const char *pa
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i)
         if (same[i].file != same[i].motion)
-            return error_set(err, DUET_STATUS_BAD_INPUT,
+            return bad_input(err,
                              "%s: %s: %.10g in the file, %.10g in the motion; expected a motion "
                              "saved of the same scene",
                              path, same[i].what, same[i].file, same[i].motion);
@@ -248,8 +248,7 @@ static bool check_whole(const duet_motion *m, const saved_head *h, const text *f
     memcpy(&sum, file->chars + end, sizeof sum);
     return (end == kept_bytes(m, h) + saved_places_size(h) + saved_ground_size(h) &&
             sum == text_checksum(file->chars, end)) ||
-           error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
-                     path);
+           bad_input(err, "%s: the saved motion is cut short or damaged", path);
 }
 
 static bool read_head(saved_head *h, const text *file, const char *path, duet_error *err)
@@ -257,8 +256,7 @@ static bool read_head(saved_head *h, const text *file, const char *path, duet_er
     if (!text_check_magic(file, magic, path, err))
         return false;
     if (file->length < sizeof *h + sizeof(uint64_t))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion is cut short or damaged",
-                         path);
+        return bad_input(err, "%s: the saved motion is cut short or damaged", path);
     memcpy(h, file->chars, sizeof *h);
     return true;
 }

@@ -9,9 +9,8 @@ static bool check_origin(const duet_motion_def *def, const duet_scene_info *info
 {
     if (!def || b->made_poses || def->origin_edge == info->origin_edge)
         return true;
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "the scene %s has origin cells of edge %g, the motion's def of %g", info->name,
-                     (double)info->origin_edge, (double)def->origin_edge);
+    return bad_argument(err, "the scene %s has origin cells of edge %g, the motion's def of %g",
+                        info->name, (double)info->origin_edge, (double)def->origin_edge);
 }
 
 duet_motion *duet_motion_create_from_scene(const duet_motion_def *def, const duet_scene *scene,

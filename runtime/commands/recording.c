@@ -110,10 +110,9 @@ bool duet_motion_save_recording(duet_motion *m, const char *path, duet_error *er
     if (!error_given(m, __func__, "motion", err) || !error_given(path, __func__, "path", err))
         return false;
     if (!m->recording)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: nothing is recorded; expected duet_motion_record before, and no load "
-                         "since",
-                         __func__);
+        return bad_argument(
+            err, "%s: nothing is recorded; expected duet_motion_record before, and no load since",
+            __func__);
     if (!motion_is_whole(m, __func__, err) || !text_ok(m->recording, err) ||
         !duet_motion_get_hash(m, &hash, err))
         return false;

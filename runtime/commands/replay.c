@@ -33,7 +33,7 @@ struct duet_replay {
 
 static bool damaged(const char *path, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the recording is cut short or damaged", path);
+    return bad_input(err, "%s: the recording is cut short or damaged", path);
 }
 
 // Bytes of a record behind its head; SIZE_MAX if it is none.
@@ -289,12 +289,11 @@ static uint64_t step_of(const duet_replay *p)
 
 static bool check_ground(const duet_replay *p, uint64_t sum, duet_error *err)
 {
-    return p->ground == sum ||
-           error_set(err, DUET_STATUS_BAD_INPUT, "%s: recorded on %s; the motion has %s", p->path,
-                     p->ground ? "a ground" : "no ground",
-                     sum == 0    ? "none"
-                     : p->ground ? "another"
-                                 : "one");
+    return p->ground == sum || bad_input(err, "%s: recorded on %s; the motion has %s", p->path,
+                                         p->ground ? "a ground" : "no ground",
+                                         sum == 0    ? "none"
+                                         : p->ground ? "another"
+                                                     : "one");
 }
 
 bool replay_check_begin(const duet_replay *p, const replay_begin *b, duet_error *err)
@@ -304,7 +303,7 @@ bool replay_check_begin(const duet_replay *p, const replay_begin *b, duet_error 
         return false;
     return (b->n == head->n && b->step == head->step && b->hash == head->hash &&
             b->dims == head->dims) ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
+           bad_input(err,
                      "%s: recorded from step %" PRIu64 ", %u places and the state hash %016" PRIx64
                      "; the motion is at step %" PRIu64 " with %u places and %016" PRIx64,
                      p->path, head->step, head->n, head->hash, b->step, b->n, b->hash);
@@ -328,7 +327,7 @@ bool replay_pass(duet_replay *p, const replay_begin *b, duet_error *err)
     if (!check_ground(p, b->ground, err))
         return false;
     if (b->dims != p->head.dims || b->step < first || b->step > last)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
+        return bad_input(err,
                          "%s: recorded from step %" PRIu64 " to %" PRIu64
                          " in %uD; the motion is at step %" PRIu64 " in %uD",
                          p->path, first, last, p->head.dims, b->step, b->dims);
@@ -427,8 +426,8 @@ bool duet_replay_advance(duet_replay *p, duet_motion *m, duet_motion_result *res
         !error_given(result, __func__, "result", err))
         return false;
     if (p->info.steps_done == p->info.steps)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: all %" PRIu64 " recorded steps are done", p->path, p->info.steps);
+        return bad_argument(err, "%s: all %" PRIu64 " recorded steps are done", p->path,
+                            p->info.steps);
     if (!check_begin(p, m, err) || !give_commands(p, m, err) ||
         !duet_motion_advance(m, result, err))
         return false;

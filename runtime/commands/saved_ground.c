@@ -109,7 +109,7 @@ static bool check_carrier(const duet_motion *copy, const saved_head *h, const sa
 {
     const double carrier = ground_def_carrier(&copy->def);
     return !h->has_mesh || s->spacing[0] == carrier ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
+           bad_input(err,
                      "%s: carrier of the mesh: %.10g in the file, %.10g in the motion; expected a "
                      "motion saved of the same scene",
                      path, s->spacing[0], carrier);

@@ -72,8 +72,7 @@ size_t saved_places_size(const saved_head *h)
 
 static bool bad_place(const char *path, uint32_t place, const char *what, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's place %u: %s", path, place,
-                     what);
+    return bad_input(err, "%s: the saved motion's place %u: %s", path, place, what);
 }
 
 static bool take_head(duet_motion *copy, const saved_head *h, const char *path, duet_error *err)
@@ -83,15 +82,14 @@ static bool take_head(duet_motion *copy, const saved_head *h, const char *path, 
     bool pulled = d->attraction != 0.0;
     packed_to_def(&h->def, d);
     if (!motion_check_def(d, &why))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion: %s", path, why.text);
+        return bad_input(err, "%s: the saved motion: %s", path, why.text);
     if (pulled != (d->attraction != 0.0))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
+        return bad_input(err,
                          "%s: the saved motion's attraction is %g; expected none or both of the "
                          "file's and the motion's to be 0",
                          path, d->attraction);
     if (h->rows_stale > 1 || h->pushed > 1 || (h->pushed && !(copy->effects & DUET_EFFECT_FORCES)))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: the saved motion's head has no such word",
-                         path);
+        return bad_input(err, "%s: the saved motion's head has no such word", path);
     return true;
 }
 
@@ -159,8 +157,8 @@ static bool take_facts(duet_motion *copy, const char *path, duet_error *err)
     effect_facts_add(&copy->facts, &copy->def, copy->poses, copy->bodies, copy->n);
     copy->facts = effect_facts_as_fast(copy->facts, before);
     if (effect_infer(&copy->def, copy->facts) & ~copy->effects)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: the saved motion's bodies need effects that the motion lacks", path);
+        return bad_input(err, "%s: the saved motion's bodies need effects that the motion lacks",
+                         path);
     bool tumbles = copy->facts & ~before & FACT_UNEVEN;
     copy->facts |= before & FACT_UNEVEN;
     return !tumbles || !(copy->effects & DUET_EFFECT_ANGULAR_VELOCITY) ||

@@ -26,20 +26,18 @@ duet_tree_def duet_motion_tree_def(const duet_motion *motion)
 static bool check(const duet_tree *tree, const duet_motion *motion, duet_error *err)
 {
     if (tree->def.shape != DUET_SHAPE_POSES && tree->def.shape != DUET_SHAPE_ROUNDED_BOXES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a motion's bodies are poses or rounded boxes; the tree is of %s",
-                         tree_shape_name(tree));
+        return bad_argument(err, "a motion's bodies are poses or rounded boxes; the tree is of %s",
+                            tree_shape_name(tree));
     if (tree->def.shape == DUET_SHAPE_POSES && motion_has_radii(motion))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion's bodies have radii; the tree is of poses, expected one of "
-                         "rounded boxes");
+        return bad_argument(
+            err,
+            "the motion's bodies have radii; the tree is of poses, expected one of rounded boxes");
     if (tree->def.origin_edge > 0.0f && tree->def.origin_edge != motion->def.origin_edge)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion has the origin_edge %g; the tree has %g",
-                         (double)motion->def.origin_edge, (double)tree->def.origin_edge);
+        return bad_argument(err, "the motion has the origin_edge %g; the tree has %g",
+                            (double)motion->def.origin_edge, (double)tree->def.origin_edge);
     return tree->def.dims == motion->def.dims ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "the motion has dims %u; the tree has %u",
-                     motion->def.dims, tree->def.dims);
+           bad_argument(err, "the motion has dims %u; the tree has %u", motion->def.dims,
+                        tree->def.dims);
 }
 
 // Poses are written on B if B has them, or go by way of the host.

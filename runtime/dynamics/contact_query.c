@@ -92,12 +92,12 @@ static bool check_def(const duet_contact_query_def *def, duet_error *err)
         !error_def_pair(def->pair, "query", err) || !error_def_dims(def->dims, err))
         return false;
     if ((unsigned)def->shape >= DUET_SHAPES || shape_rows[def->shape].width == 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "shape is %d; contacts are those of poses, rounded boxes or spheres",
-                         (int)def->shape);
+        return bad_argument(err,
+                            "shape is %d; contacts are those of poses, rounded boxes or spheres",
+                            (int)def->shape);
     if (!(def->margin >= 0.0f) || !isfinite(def->margin))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "margin is %g; expected 0 or a length above it", (double)def->margin);
+        return bad_argument(err, "margin is %g; expected 0 or a length above it",
+                            (double)def->margin);
     return def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err);
 }
 
@@ -229,9 +229,8 @@ static bool check_pairs(const duet_span *span, uint32_t n, uint64_t before, duet
     for (uint64_t i = 0; i < span->n; ++i) {
         duet_pair p = span->pairs[i];
         if (p.a >= n || p.b >= n || p.a == p.b)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "pair %llu is of objects %u and %u; expected two of %u",
-                             (unsigned long long)(before + i), p.a, p.b, n);
+            return bad_argument(err, "pair %llu is of objects %u and %u; expected two of %u",
+                                (unsigned long long)(before + i), p.a, p.b, n);
     }
     return true;
 }
@@ -240,8 +239,8 @@ static bool check_rows(const void *objects, const duet_span spans[2], uint32_t n
 {
     for (int k = 0; k < 2; ++k)
         if (spans[k].n > 0 && (!spans[k].pairs || !objects))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no %s",
-                             (unsigned long long)spans[k].n, objects ? "rows of them" : "objects");
+            return bad_argument(err, "%llu pairs, but no %s", (unsigned long long)spans[k].n,
+                                objects ? "rows of them" : "objects");
     return check_pairs(&spans[0], n, 0, err) && check_pairs(&spans[1], n, spans[0].n, err);
 }
 
@@ -264,8 +263,7 @@ static bool check_kind(const duet_contact_query *query, duet_object_kind kind, d
 {
     const shape_row *row = &shape_rows[query->sides[0].shape];
     return kind == row->kind ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the query is of %s",
-                     (int)kind, row->name);
+           bad_argument(err, "objects of kind %d; the query is of %s", (int)kind, row->name);
 }
 
 bool duet_contact_query_run(duet_contact_query *query, duet_object_kind kind, const void *objects,

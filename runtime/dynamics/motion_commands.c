@@ -63,9 +63,8 @@ bool motion_has_range(const duet_motion *m, uint32_t first, uint32_t n, const ch
                       duet_error *err)
 {
     return (first <= m->n && n <= m->n - first) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: places %u to %llu; the motion has %u places", call, first,
-                     (unsigned long long)first + n, m->n);
+           bad_argument(err, "%s: places %u to %llu; the motion has %u places", call, first,
+                        (unsigned long long)first + n, m->n);
 }
 
 bool duet_motion_get_ids(const duet_motion *m, uint32_t first, uint32_t n, uint64_t *ids,
@@ -87,10 +86,9 @@ bool motion_lacks(uint32_t missing, const char *call, const char *who, duet_erro
 {
     for (uint32_t i = 0; effect_at(i); ++i)
         if (missing & effect_at(i)->effect)
-            return !error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                              "%s: %s needs the effect %s; expected the motion's wants to ask for "
-                              "it",
-                              call, who, effect_at(i)->name);
+            return !bad_argument(
+                err, "%s: %s needs the effect %s; expected the motion's wants to ask for it", call,
+                who, effect_at(i)->name);
     return false;
 }
 

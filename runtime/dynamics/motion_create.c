@@ -26,13 +26,11 @@ static bool check_effects(const duet_motion *m, duet_error *err)
 {
     bool contact = m->effects & DUET_EFFECT_CONTACT;
     if (contact && m->def.boundary == DUET_BOUNDARY_PERIODIC)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "contacts are not found across the seam of a periodic world; expected "
-                         "walls, or no contact");
+        return bad_argument(err, "contacts are not found across the seam of a periodic world; "
+                                 "expected walls, or no contact");
     if ((m->effects & DUET_EFFECT_CONTACT_RESPONSE) && m->def.integrator != DUET_INTEGRATOR_EULER)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "contacts are solved with the integrator euler; expected that, or "
-                         "no response");
+        return bad_argument(
+            err, "contacts are solved with the integrator euler; expected that, or no response");
     return true;
 }
 

@@ -35,13 +35,12 @@ static bool check_part(const duet_motion *m, duet_state_part part, const char *c
                        duet_error *err)
 {
     if (!duet_state_part_name(part))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: part is %d; expected a duet_state_part", call, (int)part);
+        return bad_argument(err, "%s: part is %d; expected a duet_state_part", call, (int)part);
     if (part == DUET_STATE_CENTRES && m->cells)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: centres are in origin cells; expected duet_motion_get_states, or "
-                         "duet_motion_set_poses",
-                         call);
+        return bad_argument(err,
+                            "%s: centres are in origin cells; expected duet_motion_get_states, or "
+                            "duet_motion_set_poses",
+                            call);
     return motion_needs(m, parts[part].effect, call, err);
 }
 
@@ -74,16 +73,14 @@ static bool can_map(duet_motion *m, duet_state_part part, duet_map_access access
     if (!motion_is_steady(m, call, err) || !check_part(m, part, call, err))
         return false;
     if (access != DUET_MAP_READ && access != DUET_MAP_WRITE)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: access is %d; expected a duet_map_access", call, (int)access);
+        return bad_argument(err, "%s: access is %d; expected a duet_map_access", call, (int)access);
     if (m->mapped & 1u << part)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s are mapped already", call,
-                         duet_state_part_name(part));
+        return bad_argument(err, "%s: %s are mapped already", call, duet_state_part_name(part));
     if (access == DUET_MAP_WRITE && m->recording)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: what is written in place is not recorded; expected "
-                         "duet_motion_set_poses or duet_motion_set_bodies",
-                         call);
+        return bad_argument(err,
+                            "%s: what is written in place is not recorded; expected "
+                            "duet_motion_set_poses or duet_motion_set_bodies",
+                            call);
     return access == DUET_MAP_READ ||
            (motion_needs(m, parts[part].writes, call, err) && motion_begin_commands(m, err));
 }
@@ -216,9 +213,9 @@ bool duet_motion_unmap_states(duet_motion *m, duet_state_part part, duet_error *
     if (!motion_is_steady(m, __func__, err))
         return false;
     if (!duet_state_part_name(part) || !(m->mapped & 1u << part))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %s are not mapped; expected duet_motion_map_states first", __func__,
-                         duet_state_part_name(part) ? duet_state_part_name(part) : "states");
+        return bad_argument(err, "%s: %s are not mapped; expected duet_motion_map_states first",
+                            __func__,
+                            duet_state_part_name(part) ? duet_state_part_name(part) : "states");
     struct motion_map *map = &m->maps[part];
     bool ok = map->access == DUET_MAP_READ || write_back(m, part, map, __func__, err);
     if (!ok && m->phase != MOTION_BROKEN)

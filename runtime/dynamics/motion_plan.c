@@ -75,11 +75,11 @@ static bool take_own(motion_plan *p, const variant_setting *s, duet_error *err)
             *all[i].value = (uint32_t)s->value;
             return true;
         }
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "variant: %s.%s=%lld; expected motion.skin in percent of the bodies' mean "
-                     "least extent, from 0 to %d, or motion.colours between exchanges of ranks, "
-                     "from 0 to %d",
-                     s->kernel, s->name, (long long)s->value, MOST_SKIN, MOST_COLOURS);
+    return bad_argument(
+        err,
+        "variant: %s.%s=%lld; expected motion.skin in percent of the bodies' mean least extent, "
+        "from 0 to %d, or motion.colours between exchanges of ranks, from 0 to %d",
+        s->kernel, s->name, (long long)s->value, MOST_SKIN, MOST_COLOURS);
 }
 
 // Leaves the kernels' settings.
@@ -113,10 +113,10 @@ static bool check_settings(const variant *v, duet_error *err)
     for (uint32_t i = 0; i < v->n_settings; ++i) {
         const variant_setting *s = &v->settings[i];
         if (!is_free(s))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "variant: %s.%s cannot be set; expected WG, PER_ITEM or LANES (but of "
-                             "prepare_contacts) of a motion's kernel",
-                             s->kernel, s->name);
+            return bad_argument(err,
+                                "variant: %s.%s cannot be set; expected WG, PER_ITEM or LANES (but "
+                                "of prepare_contacts) of a motion's kernel",
+                                s->kernel, s->name);
     }
     return true;
 }
@@ -149,15 +149,15 @@ bool motion_plan_is_used(const duet_motion *m, duet_error *err)
 {
     const motion_plan *p = &m->plan;
     if (p->skin > 0 && !(m->effects & DUET_EFFECT_SKIN))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "variant: motion.skin=%u; expected a motion whose def has a skin above 0",
-                         p->skin);
+        return bad_argument(
+            err, "variant: motion.skin=%u; expected a motion whose def has a skin above 0",
+            p->skin);
     for (uint32_t i = 0; i < p->settings.n_settings; ++i) {
         const variant_setting *s = &p->settings.settings[i];
         if (!s->used)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "variant: no kernel that the motion runs has a parameter '%s.%s'",
-                             s->kernel, s->name);
+            return bad_argument(err,
+                                "variant: no kernel that the motion runs has a parameter '%s.%s'",
+                                s->kernel, s->name);
     }
     return true;
 }

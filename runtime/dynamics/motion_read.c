@@ -200,8 +200,8 @@ bool duet_motion_get_states_of(duet_motion *m, const uint32_t *places, uint32_t 
         return false;
     for (uint32_t i = 0; i < n; ++i)
         if (places[i] >= m->n)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "place %u, in row %u; expected one below %u", places[i], i, m->n);
+            return bad_argument(err, "place %u, in row %u; expected one below %u", places[i], i,
+                                m->n);
     return motion_fetch_states(m, places, n, states, NULL, err);
 }
 

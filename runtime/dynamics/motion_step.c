@@ -446,9 +446,8 @@ bool duet_motion_advance_end(duet_motion *m, duet_motion_result *result, duet_er
     if (!error_given(m, __func__, "motion", err) || !error_given(result, __func__, "result", err))
         return false;
     if (m->phase != MOTION_STEPPING)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: no step is under way; expected duet_motion_advance_begin first",
-                         __func__);
+        return bad_argument(
+            err, "%s: no step is under way; expected duet_motion_advance_begin first", __func__);
     bool carried = background_end(&m->halves.thread, err);
     return complete_step(m, carried, m->halves.ms, result, err);
 }

@@ -32,21 +32,19 @@ static bool is_in(const duet_motion *m, uint32_t phases, const char *call, duet_
         return true;
     switch (m->phase) {
     case MOTION_STEPPING:
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: a step of the motion is under way; expected duet_motion_advance_end "
-                         "first",
-                         call);
+        return bad_argument(
+            err, "%s: a step of the motion is under way; expected duet_motion_advance_end first",
+            call);
     case MOTION_MAPPED:
         while (!(m->mapped >> part & 1u))
             ++part;
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %s are mapped; expected duet_motion_unmap_states first", call,
-                         duet_state_part_name((duet_state_part)part));
+        return bad_argument(err, "%s: %s are mapped; expected duet_motion_unmap_states first", call,
+                            duet_state_part_name((duet_state_part)part));
     default:
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the motion failed in its step %llu; expected a saved one to be loaded, "
-                         "or a new motion",
-                         (unsigned long long)m->step + 1);
+        return bad_argument(err,
+                            "the motion failed in its step %llu; expected a saved one to be "
+                            "loaded, or a new motion",
+                            (unsigned long long)m->step + 1);
     }
 }
 

@@ -18,9 +18,8 @@ static const char *fault_of(const duet_accuracy *a)
 bool accuracy_check(const duet_accuracy *accuracy, const char *whose, duet_error *err)
 {
     const char *fault = fault_of(accuracy);
-    return !fault ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s accuracy is missed %g, false_rate %g: %s",
-                     whose, accuracy->missed, accuracy->false_rate, fault);
+    return !fault || bad_argument(err, "%s accuracy is missed %g, false_rate %g: %s", whose,
+                                  accuracy->missed, accuracy->false_rate, fault);
 }
 
 const char *level_name(int level)

@@ -17,20 +17,19 @@ static bool is_between(double value, double least, double most)
 static bool check_grid(const duet_heights *h, duet_error *err)
 {
     if (h->nx < 2 || h->ny < 2 || (uint64_t)h->nx * h->ny > DUET_MOST_HEIGHTS)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the ground has %u x %u heights; expected 2 or more along each axis, and "
-                         "%u at most",
-                         h->nx, h->ny, DUET_MOST_HEIGHTS);
+        return bad_argument(
+            err,
+            "the ground has %u x %u heights; expected 2 or more along each axis, and %u at most",
+            h->nx, h->ny, DUET_MOST_HEIGHTS);
     for (int k = 0; k < 3; ++k)
         if (!is_between(h->origin[k], -1e30, 1e30))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%c of the ground's origin is %g; expected from -1e30 to 1e30",
-                             "xyz"[k], h -> origin[k]);
+            return bad_argument(err, "%c of the ground's origin is %g; expected from -1e30 to 1e30",
+                                "xyz"[k], h -> origin[k]);
     for (int k = 0; k < 2; ++k)
         if (!is_between(h->spacing[k], 1e-6, 1e6))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "the ground's spacing along %c is %g; expected from 1e-6 to 1e6",
-                             "xy"[k], h -> spacing[k]);
+            return bad_argument(err,
+                                "the ground's spacing along %c is %g; expected from 1e-6 to 1e6",
+                                "xy"[k], h -> spacing[k]);
     return true;
 }
 
@@ -39,12 +38,12 @@ bool heights_check(const duet_heights *h, duet_error *err)
     if (!check_grid(h, err))
         return false;
     if (!h->heights)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the ground's heights are NULL");
+        return bad_argument(err, "the ground's heights are NULL");
     for (uint32_t i = 0; i < h->nx * h->ny; ++i)
         if (!is_between((double)h->heights[i], -1e15, 1e15))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "height %u, %u of the ground is %g; expected from -1e15 to 1e15",
-                             i % h->nx, i / h->nx, (double)h->heights[i]);
+            return bad_argument(err,
+                                "height %u, %u of the ground is %g; expected from -1e15 to 1e15",
+                                i % h->nx, i / h->nx, (double)h->heights[i]);
     return true;
 }
 
@@ -52,10 +51,10 @@ bool heights_check_places(const duet_heights *h, duet_error *err)
 {
     for (int k = 0; k < 2; ++k)
         if (fabs(h->origin[k]) > 0x1p40 * h->spacing[k])
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "the ground's origin is %g along %c; expected at most 2^40 times its "
-                             "spacing of %g, for queries",
-                             h->origin[k], "xy"[k], h -> spacing[k]);
+            return bad_argument(err,
+                                "the ground's origin is %g along %c; expected at most 2^40 times "
+                                "its spacing of %g, for queries",
+                                h->origin[k], "xy"[k], h -> spacing[k]);
     return true;
 }
 

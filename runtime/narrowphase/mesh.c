@@ -65,15 +65,14 @@ static bool check_counts(const duet_mesh *m, duet_error *err)
 {
     if (m->n_triangles == 0 || m->n_triangles > DUET_MOST_TRIANGLES ||
         m->n_vertices > 3 * DUET_MOST_TRIANGLES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the mesh has %u vertices and %u triangles; expected 1 to %u triangles, "
-                         "and at most 3 times as many vertices",
-                         m->n_vertices, m->n_triangles, DUET_MOST_TRIANGLES);
+        return bad_argument(err,
+                            "the mesh has %u vertices and %u triangles; expected 1 to %u "
+                            "triangles, and at most 3 times as many vertices",
+                            m->n_vertices, m->n_triangles, DUET_MOST_TRIANGLES);
     for (int k = 0; k < 3; ++k)
         if (!(fabs(m->origin[k]) <= 1e30))
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%c of the mesh's origin is %g; expected from -1e30 to 1e30", "xyz"[k],
-                             m -> origin[k]);
+            return bad_argument(err, "%c of the mesh's origin is %g; expected from -1e30 to 1e30",
+                                "xyz"[k], m -> origin[k]);
     return true;
 }
 
@@ -82,15 +81,15 @@ static bool check_triangle(const duet_mesh *m, uint32_t i, duet_error *err)
     const uint32_t *t = m->triangles + 3 * (size_t)i;
     for (int k = 0; k < 3; ++k)
         if (t[k] >= m->n_vertices)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "triangle %u of the mesh has the vertex %u; expected one of %u "
-                             "vertices, from 0 on",
-                             i, t[k], m->n_vertices);
+            return bad_argument(
+                err,
+                "triangle %u of the mesh has the vertex %u; expected one of %u vertices, from 0 on",
+                i, t[k], m->n_vertices);
     const char *fault =
         mesh_triangle_fault(mesh_vertex(m, t[0]), mesh_vertex(m, t[1]), mesh_vertex(m, t[2]));
     return !fault ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "triangle %u of the mesh: %s; expected a triangle with an area", i, fault);
+           bad_argument(err, "triangle %u of the mesh: %s; expected a triangle with an area", i,
+                        fault);
 }
 
 bool mesh_check(const duet_mesh *m, duet_error *err)
@@ -98,12 +97,11 @@ bool mesh_check(const duet_mesh *m, duet_error *err)
     if (!check_counts(m, err))
         return false;
     if (!m->vertices || !m->triangles)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the mesh's %s are NULL",
-                         m->vertices ? "triangles" : "vertices");
+        return bad_argument(err, "the mesh's %s are NULL", m->vertices ? "triangles" : "vertices");
     for (uint32_t i = 0; i < m->n_vertices; ++i) {
         const char *fault = mesh_vertex_fault(mesh_vertex(m, i));
         if (fault)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT, "vertex %u of the mesh: %s", i, fault);
+            return bad_argument(err, "vertex %u of the mesh: %s", i, fault);
     }
     for (uint32_t i = 0; i < m->n_triangles; ++i)
         if (!check_triangle(m, i, err))
@@ -129,10 +127,10 @@ bool mesh_check_places(const duet_mesh *m, duet_error *err)
         least = fmin(least, height_of(m, i));
     for (int k = 0; k < 3; ++k)
         if (fabs(m->origin[k]) > 0x1p40 * least)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "the mesh's origin is %g along %c; expected at most 2^40 times the "
-                             "least height of its triangles, %g, for queries",
-                             m->origin[k], "xyz"[k], least);
+            return bad_argument(err,
+                                "the mesh's origin is %g along %c; expected at most 2^40 times the "
+                                "least height of its triangles, %g, for queries",
+                                m->origin[k], "xyz"[k], least);
     return true;
 }
 

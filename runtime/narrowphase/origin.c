@@ -95,10 +95,9 @@ bool duet_large_pose_set(duet_large_pose *large, const double centre[3], float e
     if (!error_given(large, __func__, "pose", err) || !error_given(centre, __func__, "centre", err))
         return false;
     if (!(edge > 0.0f) || !origin_is_edge(edge))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "the origin cells' edge is %g; expected a power of two from 2^-100 "
-                         "to 2^100",
-                         (double)edge);
+        return bad_argument(
+            err, "the origin cells' edge is %g; expected a power of two from 2^-100 to 2^100",
+            (double)edge);
     return origin_place(large, centre, edge) ||
            error_set(err, DUET_STATUS_BAD_OBJECT,
                      "the centre %g %g %g is not a number or beyond 2^30 origin cells of edge %g",

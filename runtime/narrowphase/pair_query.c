@@ -57,8 +57,7 @@ static bool check_def(const duet_pair_query_def *def, duet_error *err)
         !error_def_pair(def->pair, "query", err) || !error_def_dims(def->dims, err))
         return false;
     if (!duet_level_get_info(def->level))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                         (int)def->level);
+        return bad_argument(err, "level is %d; expected a duet_level", (int)def->level);
     return shared_work_check(def->share, err);
 }
 
@@ -183,8 +182,8 @@ bool duet_pair_query_run(duet_pair_query *query, const duet_pose *poses, uint64_
         return false;
     uint64_t begun = clock_steady_ns();
     if (n > 0 && (!poses || !answers))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu pairs, but no memory for their %s",
-                         (unsigned long long)n, poses ? "answers" : "poses");
+        return bad_argument(err, "%llu pairs, but no memory for their %s", (unsigned long long)n,
+                            poses ? "answers" : "poses");
     side *a = &query->sides[0], *b = &query->sides[1];
     for (int which = 0; which < 2; ++which) {
         side *s = &query->sides[which];

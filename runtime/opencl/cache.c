@@ -72,10 +72,10 @@ static const char *what_is_wrong(const struct stat *info)
 
 static bool refuse(const char *dir, const char *why, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: %s, so that built kernels are not safe there; name a folder that only "
-                     "you can write, with DUET_CACHE say",
-                     dir, why);
+    return bad_argument(err,
+                        "%s: %s, so that built kernels are not safe there; name a folder that only "
+                        "you can write, with DUET_CACHE say",
+                        dir, why);
 }
 
 // The folder, looked at once it is open, so that nothing can be put in its
@@ -130,8 +130,7 @@ bool cache_check_writable(const char *dir, duet_error *err)
         close(folder);
     if (why.status != DUET_STATUS_OK)
         return error_copy(err, &why);
-    return writable || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                                 "built kernels cannot be kept in %s: %s", dir, reason);
+    return writable || bad_argument(err, "built kernels cannot be kept in %s: %s", dir, reason);
 }
 
 // ------------------------------------------------------------------- entries

@@ -14,10 +14,10 @@ static bool check_context(cl_context context, const buffer_need *need, const dev
         has[i] = devices[i].context == context;
         any |= has[i] && (only < 0 || only == i);
     }
-    return any || error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                            "%s: %s is of another context; expected that of %s%s%s", need->call,
-                            need->argument, devices[only < 0 ? 0 : only].info.selector,
-                            only < 0 ? " or " : "", only < 0 ? devices[1].info.selector : "");
+    return any ||
+           bad_argument(err, "%s: %s is of another context; expected that of %s%s%s", need->call,
+                        need->argument, devices[only < 0 ? 0 : only].info.selector,
+                        only < 0 ? " or " : "", only < 0 ? devices[1].info.selector : "");
 }
 
 static bool check_flags(cl_mem_flags flags, const buffer_need *need, duet_error *err)
@@ -26,13 +26,12 @@ static bool check_flags(cl_mem_flags flags, const buffer_need *need, duet_error 
     cl_mem_flags never = reads ? CL_MEM_WRITE_ONLY | CL_MEM_HOST_WRITE_ONLY
                                : CL_MEM_READ_ONLY | CL_MEM_HOST_READ_ONLY;
     return !(flags & (never | CL_MEM_HOST_NO_ACCESS)) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: %s cannot be %s by %s; expected a buffer that both devices and the host "
-                     "can %s",
-                     need->call, need->argument, reads ? "read" : "written",
-                     flags & (CL_MEM_WRITE_ONLY | CL_MEM_READ_ONLY) & never ? "devices"
-                                                                            : "the host",
-                     reads ? "read" : "write");
+           bad_argument(
+               err,
+               "%s: %s cannot be %s by %s; expected a buffer that both devices and the host can %s",
+               need->call, need->argument, reads ? "read" : "written",
+               flags & (CL_MEM_WRITE_ONLY | CL_MEM_READ_ONLY) & never ? "devices" : "the host",
+               reads ? "read" : "write");
 }
 
 bool callers_buffer_check(cl_mem mem, const buffer_need *need, const device devices[2], int only,
@@ -52,12 +51,10 @@ bool callers_buffer_check(cl_mem mem, const buffer_need *need, const device devi
     if (code == CL_SUCCESS)
         code = clGetMemObjectInfo(mem, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     if (code != CL_SUCCESS || type != CL_MEM_OBJECT_BUFFER)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s is no buffer", need->call,
-                         need->argument);
+        return bad_argument(err, "%s: %s is no buffer", need->call, need->argument);
     if (bytes < need->bytes)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %s has %zu bytes; expected at least %zu", need->call, need->argument,
-                         bytes, need->bytes);
+        return bad_argument(err, "%s: %s has %zu bytes; expected at least %zu", need->call,
+                            need->argument, bytes, need->bytes);
     return check_context(context, need, devices, only, has, err) && check_flags(flags, need, err);
 }
 
@@ -71,9 +68,9 @@ bool callers_events_check(cl_uint n, const cl_event *events, cl_context context,
         cl_int code = events[i] ? clGetEventInfo(events[i], CL_EVENT_CONTEXT, sizeof of, &of, NULL)
                                 : CL_INVALID_EVENT;
         if (code != CL_SUCCESS || of != context)
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: event %u of %u is %s; expected one of the buffer's context", call,
-                             i, n, code != CL_SUCCESS ? "none" : "of another context");
+            return bad_argument(err,
+                                "%s: event %u of %u is %s; expected one of the buffer's context",
+                                call, i, n, code != CL_SUCCESS ? "none" : "of another context");
     }
     return true;
 }

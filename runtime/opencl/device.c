@@ -27,8 +27,7 @@ static bool fail_unknown(const char *selector, const device_root *roots, uint32_
         text_add(&there, "; %s", absent);
     if (!has_cpu && !device_list_has_pocl())
         text_add(&there, "; to work on the CPU too: apt install pocl-opencl-icd");
-    error_set(err, DUET_STATUS_BAD_ARGUMENT, "no device '%s'; there is %s", selector,
-              text_chars(&there));
+    bad_argument(err, "no device '%s'; there is %s", selector, text_chars(&there));
     text_free(&there);
     return false;
 }
@@ -80,13 +79,13 @@ static bool check_part(const device_root *root, const char *selector, uint32_t *
 {
     const duet_device_info *info = &root->info;
     if (!info->can_cut)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s cannot be cut into parts%s",
-                         selector, info->selector, info->units == 1 ? ", it has one unit" : "");
+        return bad_argument(err, "%s: %s cannot be cut into parts%s", selector, info->selector,
+                            info->units == 1 ? ", it has one unit" : "");
     if (!read_part(strchr(selector, '['), info->units, first, last))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: a part of %s is [first-last] with 0 <= first <= last <= %u, or [k/n] "
-                         "with 1 <= k <= n <= %u",
-                         selector, info->selector, info->units - 1, info->units);
+        return bad_argument(err,
+                            "%s: a part of %s is [first-last] with 0 <= first <= last <= %u, or "
+                            "[k/n] with 1 <= k <= n <= %u",
+                            selector, info->selector, info->units - 1, info->units);
     return true;
 }
 
@@ -177,7 +176,8 @@ static bool make_context(device *d, duet_error *err)
     return true;
 }
 
-// Whether a GPU of NVIDIA orders memory as groups that meet do it (kernels/dynamics/meet.clh): since Volta.
+// Whether a GPU of NVIDIA orders memory as groups that meet do it (kernels/dynamics/meet.clh):
+// since Volta.
 static bool orders_memory(const device *d)
 {
     enum { COMPUTE_CAPABILITY_MAJOR_NV = 0x4000 };

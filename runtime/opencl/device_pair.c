@@ -73,10 +73,10 @@ static bool cut_list(selector_pair *names, const char *list, duet_error *err)
     size_t b = strcspn(second, ",");
     bool halves = list[a] && strstr(list, "halves");
     if (a == 0 || b == 0 || second[b] || halves || a >= sizeof names->a || b >= sizeof names->b)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "device pair '%s': expected two selectors with a comma between them, as "
-                         "cpu,gpu, or one, or halves; 'duet devices' lists the devices",
-                         list);
+        return bad_argument(err,
+                            "device pair '%s': expected two selectors with a comma between them, "
+                            "as cpu,gpu, or one, or halves; 'duet devices' lists the devices",
+                            list);
     snprintf(names->a, sizeof names->a, "%.*s", (int)a, list);
     snprintf(names->b, sizeof names->b, "%s", second);
     return true;
@@ -88,9 +88,8 @@ static bool open_devices(duet_device_pair *pair, const duet_device_pair_def *def
     const device_root *roots = NULL;
     uint32_t n = 0;
     if (!def->a && def->b)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a device pair has B '%s' and no A; expected both, A alone, or none",
-                         def->b);
+        return bad_argument(
+            err, "a device pair has B '%s' and no A; expected both, A alone, or none", def->b);
     if (!device_list_roots(&roots, &n, err))
         return false;
     if (!def->a)

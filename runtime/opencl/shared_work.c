@@ -7,8 +7,8 @@
 bool shared_work_check(uint32_t share, duet_error *err)
 {
     return share <= DUET_SHARE_ONE ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "share is %u of %u; expected at most all of it",
-                     share, DUET_SHARE_ONE);
+           bad_argument(err, "share is %u of %u; expected at most all of it", share,
+                        DUET_SHARE_ONE);
 }
 
 static bool open_side(work_side *s, const duet_device_pair *pair, const char *kernel_dir, int which,

@@ -112,9 +112,8 @@ bool any_query_run_itself(any_query *q, const duet_filter *filters, uint64_t n, 
 {
     uint32_t n_objects = q->tree->n;
     if (filters && n != n_objects)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%llu filters; expected one for each of the tree's %u objects",
-                         (unsigned long long)n, n_objects);
+        return bad_argument(err, "%llu filters; expected one for each of the tree's %u objects",
+                            (unsigned long long)n, n_objects);
     tree_query *own = own_of(q, err);
     if (!own)
         return false;

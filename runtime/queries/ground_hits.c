@@ -29,8 +29,7 @@ static bool takes_ground(const duet_tree *tree, const void *ground, const char *
     if (!error_given(tree, call, "tree", err))
         return false;
     return !ground || (tree->def.dims == 3 && tree->def.origin_edge == 0.0f) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: %s are for trees in 3D without origin cells", call, name);
+           bad_argument(err, "%s: %s are for trees in 3D without origin cells", call, name);
 }
 
 bool duet_tree_set_heights(duet_tree *tree, const duet_heights *h, duet_error *err)

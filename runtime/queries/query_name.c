@@ -78,8 +78,8 @@ bool query_name_read(const char *text, query_name *name, duet_error *err)
             (is_alone || *rest) && read_rest(rest, name))
             return true;
     }
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "query '%s': expected 'rays closest', 'rays any', 'rays every', the same of "
-                     "sweeps, 'boxes', 'boxes itself', 'points' or 'points nearest K'",
-                     text);
+    return bad_argument(err,
+                        "query '%s': expected 'rays closest', 'rays any', 'rays every', the same "
+                        "of sweeps, 'boxes', 'boxes itself', 'points' or 'points nearest K'",
+                        text);
 }

@@ -23,12 +23,12 @@ duet_tree_def duet_default_tree_def(void)
 static bool check_origin(const duet_tree_def *def, duet_error *err)
 {
     if (!origin_is_edge(def->origin_edge) || def->origin_edge > 0x1p69f)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "origin_edge is %g; expected 0, or a power of two from 2^-100 to 2^69",
-                         (double)def->origin_edge);
+        return bad_argument(err,
+                            "origin_edge is %g; expected 0, or a power of two from 2^-100 to 2^69",
+                            (double)def->origin_edge);
     return def->origin_edge == 0.0f || def->shape == DUET_SHAPE_POSES ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "origin cells are for poses; expected an origin_edge of 0 for another shape");
+           bad_argument(
+               err, "origin cells are for poses; expected an origin_edge of 0 for another shape");
 }
 
 static bool check_def(const duet_tree_def *def, duet_error *err)
@@ -37,8 +37,7 @@ static bool check_def(const duet_tree_def *def, duet_error *err)
         !error_def_pair(def->pair, "tree", err) || !error_def_dims(def->dims, err))
         return false;
     if ((unsigned)def->shape >= DUET_SHAPES)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "shape is %d; expected a duet_shape",
-                         (int)def->shape);
+        return bad_argument(err, "shape is %d; expected a duet_shape", (int)def->shape);
     return check_origin(def, err) &&
            (def->share == DUET_SHARE_DEFAULT || shared_work_check(def->share, err));
 }
@@ -306,8 +305,8 @@ bool duet_tree_set_filters(duet_tree *tree, const duet_filter *filters, uint32_t
         (n > 0 && !error_given(filters, __func__, "filters", err)))
         return false;
     if (n != tree->n)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%u filters; expected one for each of the tree's %u objects", n, tree->n);
+        return bad_argument(err, "%u filters; expected one for each of the tree's %u objects", n,
+                            tree->n);
     duet_filter *to = tree_reserve_filters(tree, err);
     if (to && n > 0)
         memcpy(to, filters, n * sizeof *to);
@@ -349,9 +348,8 @@ const char *tree_shape_name(const duet_tree *tree)
 
 bool tree_takes(const duet_tree *tree, duet_object_kind kind, duet_error *err)
 {
-    return kind == tree_kind(tree) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "objects of kind %d; the tree is of %s",
-                     (int)kind, tree_shape_name(tree));
+    return kind == tree_kind(tree) || bad_argument(err, "objects of kind %d; the tree is of %s",
+                                                   (int)kind, tree_shape_name(tree));
 }
 
 void tree_find_middle(duet_tree *tree)
@@ -386,7 +384,7 @@ bool duet_tree_set_objects(duet_tree *tree, duet_object_kind kind, const void *o
     if (!tree_takes(tree, kind, err))
         return false;
     if (n > 0 && !objects)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%u objects, but no memory with them", n);
+        return bad_argument(err, "%u objects, but no memory with them", n);
     if (!tree_reserve_objects(tree, n, err))
         return false;
     tree_copy_rows(tree, objects, n, tree->objects);

@@ -45,20 +45,18 @@ static bool check_def(const duet_tree *tree, const any_query_def *def, duet_erro
 {
     const query_name *name = &def->name;
     if (!tree)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "the query's def has no tree");
+        return bad_argument(err, "the query's def has no tree");
     if (!duet_query_wants_name(name->wants))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "wants is %d; expected a duet_query_wants",
-                         (int)name->wants);
+        return bad_argument(err, "wants is %d; expected a duet_query_wants", (int)name->wants);
     if (def->normals && name->wants == DUET_QUERY_ANY)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "normals with wants any, which says of no hit where it is; expected "
-                         "closest or every");
+        return bad_argument(
+            err,
+            "normals with wants any, which says of no hit where it is; expected closest or every");
     if (!duet_level_get_info(def->level))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                         (int)def->level);
+        return bad_argument(err, "level is %d; expected a duet_level", (int)def->level);
     return name->nearest <= DUET_MOST_NEAREST ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "nearest is %u; expected at most %u",
-                     name->nearest, DUET_MOST_NEAREST);
+           bad_argument(err, "nearest is %u; expected at most %u", name->nearest,
+                        DUET_MOST_NEAREST);
 }
 
 static query_wants wants_of(const query_name *name)
@@ -291,11 +289,10 @@ bool tree_query_is_far(const tree_query *q, bool far, duet_error *err)
     bool is_far = q->tree->def.origin_edge > 0.0f;
     if (is_far == far)
         return true;
-    return far ? error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                           "%s with origin cells; the tree's origin_edge is 0", q->kind->items)
-               : error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                           "%s without origin cells; the tree's origin_edge is %g", q->kind->items,
-                           (double)q->tree->def.origin_edge);
+    return far ? bad_argument(err, "%s with origin cells; the tree's origin_edge is 0",
+                              q->kind->items)
+               : bad_argument(err, "%s without origin cells; the tree's origin_edge is %g",
+                              q->kind->items, (double)q->tree->def.origin_edge);
 }
 
 // The tree's objects count from its middle already.
@@ -327,8 +324,7 @@ bool any_query_run(any_query *q, const void *items, uint64_t n, query_result *re
     uint64_t begun = clock_steady_ns();
     const char *plural = q->kind->items;
     if (n > 0 && !items)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%llu %s, but no memory with them",
-                         (unsigned long long)n, plural);
+        return bad_argument(err, "%llu %s, but no memory with them", (unsigned long long)n, plural);
     if (n > UINT32_MAX)
         return error_set(err, DUET_STATUS_TOO_MANY, "%llu %s; expected fewer than 2^32",
                          (unsigned long long)n, plural);

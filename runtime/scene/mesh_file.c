@@ -29,8 +29,8 @@ typedef struct reading {
 
 static bool refuse(const reading *r, const char *fault, const char *expected)
 {
-    return error_set(r->err, DUET_STATUS_BAD_INPUT, "%s: %s %llu: %s; expected %s", r->path,
-                     r->unit, (unsigned long long)r->number, fault, expected);
+    return bad_input(r->err, "%s: %s %llu: %s; expected %s", r->path, r->unit,
+                     (unsigned long long)r->number, fault, expected);
 }
 
 // ---------------------------------------------------------------- what was read
@@ -285,10 +285,10 @@ static bool read_stl(reading *r, const text *file)
         return read_binary_stl(r, (uint32_t)n);
     skip_blanks(r);
     if (strlen(file->chars) != file->length || strncasecmp(r->at, "solid", 5) != 0)
-        return error_set(r->err, DUET_STATUS_BAD_INPUT,
-                         "%s: no STL of %zu bytes; expected 'solid', or 84 bytes and 50 for each "
-                         "triangle",
-                         r->path, file->length);
+        return bad_input(
+            r->err,
+            "%s: no STL of %zu bytes; expected 'solid', or 84 bytes and 50 for each triangle",
+            r->path, file->length);
     return read_ascii_stl(r);
 }
 
@@ -299,8 +299,8 @@ static bool read_bytes(reading *r, const text *file)
     r->at = file->chars ? file->chars : "";
     bool ok = text_ends_with(r->path, ".stl") ? read_stl(r, file) : read_obj(r);
     return ok && budget_check(r->err) &&
-           (r->n_triangles > 0 || error_set(r->err, DUET_STATUS_BAD_INPUT,
-                                            "%s: no triangle; expected one or more", r->path));
+           (r->n_triangles > 0 ||
+            bad_input(r->err, "%s: no triangle; expected one or more", r->path));
 }
 
 bool mesh_file_read(duet_mesh *mesh, const char *path, double scale, duet_error *err)
@@ -309,8 +309,7 @@ bool mesh_file_read(duet_mesh *mesh, const char *path, double scale, duet_error 
     reading r = {.path = path, .unit = "line", .number = 1, .scale = scale, .err = err};
     *mesh = (duet_mesh){0};
     if (!text_ends_with(path, ".stl") && !text_ends_with(path, ".obj"))
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: no mesh; expected a file .stl or .obj",
-                         path);
+        return bad_input(err, "%s: no mesh; expected a file .stl or .obj", path);
     bool ok = text_read_file(&file, path, err) && read_bytes(&r, &file);
     text_free(&file);
     mesh->n_vertices = r.n_vertices;

@@ -401,8 +401,7 @@ bool duet_reference(const duet_scene *scene, duet_level level, duet_pair **pairs
         !error_given(pairs, __func__, "pairs", err) || !error_given(n, __func__, "n", err))
         return false;
     if (!duet_level_get_info(level))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "level is %d; expected a duet_level",
-                         (int)level);
+        return bad_argument(err, "level is %d; expected a duet_level", (int)level);
     const duet_scene_info *info = duet_scene_get_info(scene);
     reference_objects objects = {
         .dims = info->dims,

@@ -168,11 +168,10 @@ bool scene_set_columns(duet_scene *scene, uint32_t columns, scene_place place, d
     const char *what = scene->per_row == 1 ? "object" : "pair";
     unsigned long long i = scene->n_read / scene->per_row;
     if (scene->columns != 0 && columns != scene->columns && !may_mix(scene, l))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s%s %llu has %u numbers, where those before it have %u",
+        return bad_input(err, "%s%s %llu has %u numbers, where those before it have %u",
                          scene_place_name(place).chars, what, i, columns, scene->columns);
     if (!l)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s%s %llu has %u numbers; it must have %s",
+        return bad_input(err, "%s%s %llu has %u numbers; it must have %s",
                          scene_place_name(place).chars, what, i, columns,
                          scene_columns_right(scene));
     scene->columns = columns;

@@ -34,10 +34,10 @@ bool scene_bodies_take(scene_bodies *b, const duet_scene *scene, const duet_body
         return make_rounded(b, scene, err);
     b->large_poses = duet_scene_get_objects(scene, DUET_OBJECT_LARGE_POSES);
     return b->poses ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: its objects are corners, which do not move; expected centres and half "
-                     "extents",
-                     info->name);
+           bad_argument(
+               err,
+               "%s: its objects are corners, which do not move; expected centres and half extents",
+               info->name);
 }
 
 void scene_bodies_free(scene_bodies *b)

@@ -51,10 +51,10 @@ static bool read_origin(const char *path, const duet_setting *settings, uint32_t
         else if (strcmp(s->name, "origin_edge") == 0)
             given = strtod(s->value, NULL);
         else
-            return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                             "%s: '%s' cannot be chosen, since this is data and no .lua scene; "
-                             "only origin=cell and origin_edge can be set",
-                             path, s->name);
+            return bad_argument(err,
+                                "%s: '%s' cannot be chosen, since this is data and no .lua scene; "
+                                "only origin=cell and origin_edge can be set",
+                                path, s->name);
     }
     *edge = wanted ? given : 0.0;
     return true;
@@ -82,10 +82,8 @@ static bool refuse_path(const char *path, const duet_error *why, duet_error *err
     if (why->status != DUET_STATUS_NOT_FOUND || strpbrk(path, "/."))
         return error_copy(err, why);
     if (shipped_find_nearest(path, &near))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: no such file or scene; did you mean '%s'?", path, near.name);
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s: no such file or scene; 'duet scenes' lists the scenes", path);
+        return bad_argument(err, "%s: no such file or scene; did you mean '%s'?", path, near.name);
+    return bad_argument(err, "%s: no such file or scene; 'duet scenes' lists the scenes", path);
 }
 
 // A mesh and a kernel's text belong to a scene or a task; their ending tells them from one.
@@ -94,13 +92,12 @@ static bool check_ending(const char *path, duet_error *err)
     if (access(path, F_OK) != 0)
         return true;
     if (has_ending(path, ".stl") || has_ending(path, ".obj"))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
+        return bad_input(err,
                          "%s: a mesh, which is the ground of a scene; expected boxes as text, .npy "
                          "or a .lua scene with mesh = { file = \"%s\" }",
                          path, file_name(path));
     if (has_ending(path, ".cl"))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: the text of a kernel, which a task file names; expected a scene",
+        return bad_input(err, "%s: the text of a kernel, which a task file names; expected a scene",
                          path);
     return true;
 }
@@ -162,8 +159,7 @@ static bool read_source(duet_scene *scene, const scene_source *source, const due
     bool lua = kind_of(source) == SOURCE_LUA;
     double edge = 0.0;
     if (lua && scene->per_row == 2)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: pairs are read from .npy or text",
-                         source->name);
+        return bad_argument(err, "%s: pairs are read from .npy or text", source->name);
     if (!lua && !read_origin(source->name, settings, n_settings, &edge, err))
         return false;
     scene->keep_centres = lua || edge != 0.0;

@@ -37,7 +37,7 @@ typedef struct npy {
 
 static bool refuse(const npy *file, duet_error *err, const char *what)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s: %s", file->path, what);
+    return bad_input(err, "%s: %s", file->path, what);
 }
 
 // ----------------------------------------------------------------- literal
@@ -109,8 +109,7 @@ static bool read_descr(cursor *c, npy *file, duet_error *err)
             file->big_endian = types[i].big_endian;
             return true;
         }
-    return error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: the numbers are %s%s%s; they must be float32 or float64", file->path,
+    return bad_input(err, "%s: the numbers are %s%s%s; they must be float32 or float64", file->path,
                      plain ? "'" : "", plain ? name : "records", plain ? "'" : "");
 }
 
@@ -135,8 +134,7 @@ static bool read_shape(cursor *c, npy *file, duet_error *err)
     if (!ok)
         return refuse(file, err, "the header's shape is not a list of numbers");
     if (file->n_shape != 2)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: the array has %u dimensions; its shape must be (n, columns)",
+        return bad_input(err, "%s: the array has %u dimensions; its shape must be (n, columns)",
                          file->path, file->n_shape);
     return true;
 }
@@ -213,8 +211,7 @@ static bool cut_parts(npy *file, const unsigned char *bytes, size_t length, duet
         return refuse(file, err, "does not begin as a .npy file does");
     unsigned version = bytes[6];
     if (version < 1 || version > 3)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: is .npy version %u; versions 1, 2 and 3 are read", file->path,
+        return bad_input(err, "%s: is .npy version %u; versions 1, 2 and 3 are read", file->path,
                          version);
     size_t start = version == 1 ? 10 : 12;
     if (length < start || length - start < read_little(bytes + 8, start - 8))
@@ -233,9 +230,8 @@ static bool check_size(const npy *file, const duet_scene *scene, duet_error *err
     uint64_t n = file->shape[0];
     uint64_t columns = file->shape[1];
     if (!scene_columns_fit(scene, columns))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: the shape is (%llu, %llu); the second number must be %s", file->path,
-                         (unsigned long long)n, (unsigned long long)columns,
+        return bad_input(err, "%s: the shape is (%llu, %llu); the second number must be %s",
+                         file->path, (unsigned long long)n, (unsigned long long)columns,
                          scene_columns_right(scene));
     if (n > DUET_MOST_OBJECTS / scene->per_row)
         return error_set(err, DUET_STATUS_TOO_MANY,
@@ -244,12 +240,12 @@ static bool check_size(const npy *file, const duet_scene *scene, duet_error *err
                          file->path, (unsigned long long)n, DUET_MOST_OBJECTS / scene->per_row);
     uint64_t wanted = n * columns * file->item_bytes;
     if (file->data_length != wanted)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: %s: the shape (%llu, %llu) needs %llu bytes of data, and %zu follow "
-                         "the header",
-                         file->path, file->data_length < wanted ? "cut short" : "too long",
-                         (unsigned long long)n, (unsigned long long)columns,
-                         (unsigned long long)wanted, file->data_length);
+        return bad_input(
+            err,
+            "%s: %s: the shape (%llu, %llu) needs %llu bytes of data, and %zu follow the header",
+            file->path, file->data_length < wanted ? "cut short" : "too long",
+            (unsigned long long)n, (unsigned long long)columns, (unsigned long long)wanted,
+            file->data_length);
     return true;
 }
 

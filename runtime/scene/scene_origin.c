@@ -10,15 +10,13 @@
 static bool check_edge(const duet_scene *scene, double edge, duet_error *err)
 {
     if (!(edge > 0.0) || (double)(float)edge != edge || !origin_is_edge((float)edge))
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: the origin cells' edge is %g; it must be a power of two from 2^-100 "
-                         "to 2^100",
-                         scene->name, edge);
+        return bad_argument(
+            err, "%s: the origin cells' edge is %g; it must be a power of two from 2^-100 to 2^100",
+            scene->name, edge);
     if (scene->radii)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: origin cells are for boxes without a radius", scene->name);
+        return bad_input(err, "%s: origin cells are for boxes without a radius", scene->name);
     return scene->info.shape == DUET_SHAPE_POSES ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
+           bad_input(err,
                      "%s: origin cells are for boxes by centre and half extents, not by corners",
                      scene->name);
 }

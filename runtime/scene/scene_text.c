@@ -61,16 +61,16 @@ static bool refuse_field(const char *field, uint32_t column, scene_place place, 
     for (const char *at = field; at < field_end(field) && n + 1 < sizeof shown; ++at)
         shown[n++] = isprint((unsigned char)*at) ? *at : '?';
     if (n == 0)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s:%llu: column %u is empty", place.path,
+        return bad_input(err, "%s:%llu: column %u is empty", place.path,
                          (unsigned long long)place.line, column);
-    return error_set(err, DUET_STATUS_BAD_INPUT, "%s:%llu: column %u: '%s' is not a number",
-                     place.path, (unsigned long long)place.line, column, shown);
+    return bad_input(err, "%s:%llu: column %u: '%s' is not a number", place.path,
+                     (unsigned long long)place.line, column, shown);
 }
 
 // A decimal comma looks like the comma between two columns; among blanks it is told.
 static bool refuse_mixture(uint32_t column, bool comma, scene_place place, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_INPUT,
+    return bad_input(err,
                      "%s:%llu: a %s after column %u, where %s separate those before it; expected "
                      "only blanks, or a comma between any two, and decimal points",
                      place.path, (unsigned long long)place.line, comma ? "comma" : "blank", column,

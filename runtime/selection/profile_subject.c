@@ -211,9 +211,8 @@ bool profile_subject_read(duet_world *world, profile_subject *p, duet_error *err
 {
     *p = (profile_subject){0};
     if (world->objects.all.n == 0)
-        return error_set(
-            err, DUET_STATUS_BAD_ARGUMENT,
-            "a world without objects has no profile; expected objects to be set first");
+        return bad_argument(
+            err, "a world without objects has no profile; expected objects to be set first");
     if (!world_take_objects(world, true, err))
         return false;
     describe_pair(p, world->def.pair);
@@ -230,8 +229,7 @@ bool profile_subject_read_query(const duet_tree *tree, const query_name *query, 
     const duet_tree_def *def = tree_def(tree);
     *p = (profile_subject){0};
     if (tree_count(tree) == 0 || n == 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT, "a query of no %s has no profile",
-                         n == 0 ? "items" : "boxes");
+        return bad_argument(err, "a query of no %s has no profile", n == 0 ? "items" : "boxes");
     describe_pair(p, def->pair);
     query_name_write(query, p->query);
     p->workload = (profile_workload){
@@ -315,10 +313,10 @@ bool profile_subject_read_motion(const duet_motion *m, profile_subject *p, duet_
 {
     *p = (profile_subject){0};
     if (m->n == 0 || m->effects == 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "a motion of %u bodies%s has no profile; expected bodies that something "
-                         "happens to",
-                         m->n, m->effects ? "" : " and no effects");
+        return bad_argument(
+            err,
+            "a motion of %u bodies%s has no profile; expected bodies that something happens to",
+            m->n, m->effects ? "" : " and no effects");
     if (!read_bodies(m, p, err))
         return false;
     list_effects(m, p->effects);
@@ -367,8 +365,7 @@ bool profile_subject_look(const char *path, const profile_request *request, prof
 bool profile_subject_read_level(const char *name, duet_level *level, duet_error *err)
 {
     return duet_level_from_name(name, level) ||
-           error_set(err, DUET_STATUS_BAD_INPUT, "the profile's level '%s' is not known here",
-                     name);
+           bad_input(err, "the profile's level '%s' is not known here", name);
 }
 
 bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet_error *err)
@@ -377,8 +374,7 @@ bool profile_subject_read_plan(const profile_plan *stored, duet_plan *plan, duet
     memcpy(plan->variant_a, stored->variant_a, sizeof plan->variant_a);
     memcpy(plan->variant_b, stored->variant_b, sizeof plan->variant_b);
     return mode_from_name(stored->mode, &plan->mode) ||
-           error_set(err, DUET_STATUS_BAD_INPUT, "the profile's mode '%s' is not known here",
-                     stored->mode);
+           bad_input(err, "the profile's mode '%s' is not known here", stored->mode);
 }
 
 profile_plan profile_subject_write_plan(const duet_plan *plan, const char *level)

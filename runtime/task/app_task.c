@@ -68,8 +68,7 @@ void duet_task_file_destroy(duet_task_file *file)
 static bool check_ends(const char *name, const char *chars, duet_error *err)
 {
     return memchr(chars, '\0', DUET_VARIANT) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s has no end within its %d bytes", name,
-                     DUET_VARIANT);
+           bad_argument(err, "%s has no end within its %d bytes", name, DUET_VARIANT);
 }
 
 // Fills in what the plan leaves open. A task has no modes.
@@ -182,12 +181,11 @@ static bool find_arg(const duet_task *t, const char *name, bool is_array, const 
     const task *file = t->file;
     *i = task_find_arg(file, name);
     if (*i == file->n_args)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %.48s is no argument of task %s; expected one as %s", call, name,
-                         file->name, file->args[0].name);
+        return bad_argument(err, "%s: %.48s is no argument of task %s; expected one as %s", call,
+                            name, file->name, file->args[0].name);
     return (file->args[*i].kind == TASK_ARG_ARRAY) == is_array ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: %s is a%s; expected a%s", call, name,
-                     is_array ? " number" : "n array", is_array ? "n array" : " number");
+           bad_argument(err, "%s: %s is a%s; expected a%s", call, name,
+                        is_array ? " number" : "n array", is_array ? "n array" : " number");
 }
 
 // After a failure the number is as before.
@@ -237,13 +235,12 @@ bool duet_task_set_array(duet_task *t, const char *name, const void *elements, u
         return false;
     const task_arg *arg = &t->file->args[i];
     if (arg->access == TASK_OUT || arg->access == TASK_SUM)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %s is only written, its access is %s; expected an array that is read",
-                         __func__, name, task_access_name(arg->access));
+        return bad_argument(
+            err, "%s: %s is only written, its access is %s; expected an array that is read",
+            __func__, name, task_access_name(arg->access));
     if (n != arg->count)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: %s has %" PRIu64 " elements of %s; expected %" PRIu64, __func__, name,
-                         n, arg->type, arg->count);
+        return bad_argument(err, "%s: %s has %" PRIu64 " elements of %s; expected %" PRIu64,
+                            __func__, name, n, arg->type, arg->count);
     task_unbind(t->launcher, i);
     memcpy(task_host_values(t->launcher, i)->bytes, elements, arg->initial.size);
     return true;

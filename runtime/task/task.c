@@ -41,9 +41,8 @@ static bool check_name(const task *t, const gen *g, const char *field, int line,
     if (line > 0)
         snprintf(at, sizeof at, ":%d", line);
     bool ok =
-        gen_kernel(g, i) ||
-        error_set(err, DUET_STATUS_BAD_INPUT, "%s%s: %s is '%s'; expected a kernel: there are %s",
-                  t->path, at, field, name, i > 0 ? text_chars(&all) : "none");
+        gen_kernel(g, i) || bad_input(err, "%s%s: %s is '%s'; expected a kernel: there are %s",
+                                      t->path, at, field, name, i > 0 ? text_chars(&all) : "none");
     text_free(&all);
     return ok;
 }

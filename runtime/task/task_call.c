@@ -32,12 +32,10 @@ static bool check_array(const task_call *c, const task *t, const task_arg *arg, 
 {
     size_t n = strlen(arg->type);
     if (strncmp(card->type, arg->type, n) != 0 || strcmp(card->type + n, " *") != 0)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: args.%s is an array of %s; the card of %s has '%s'", t->path,
+        return bad_input(err, "%s: args.%s is an array of %s; the card of %s has '%s'", t->path,
                          arg->name, arg->type, c->kernel, card->type);
     if (card->is_const == task_arg_is_written(arg))
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: args.%s: access is %s, but the card of %s says that it is %s",
+        return bad_input(err, "%s: args.%s: access is %s, but the card of %s says that it is %s",
                          t->path, arg->name, task_access_name(arg->access), c->kernel,
                          card->is_const ? "const" : "written; expected const in the card");
     return true;
@@ -90,17 +88,16 @@ static bool set_value(task_call *c, const task *t, uint32_t i, const gen_arg *ca
 {
     const task_arg *arg = &t->args[i];
     return (read_scalar(card, &c->scalars[i]) && set_slot(&c->slots[i], c->scalars[i], arg)) ||
-           error_set(err, DUET_STATUS_BAD_INPUT, "%s: args.%s is %.17g; the card of %s has '%s'",
-                     t->path, arg->name, arg->value, c->kernel, card->type);
+           bad_input(err, "%s: args.%s is %.17g; the card of %s has '%s'", t->path, arg->name,
+                     arg->value, c->kernel, card->type);
 }
 
 bool task_call_set_number(task_call *c, const task *t, uint32_t i, duet_error *err)
 {
     const task_arg *arg = &t->args[i];
     return set_slot(&c->slots[i], c->scalars[i], arg) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "task %s: %s is %.17g; expected a number that %s holds", t->name, arg->name,
-                     arg->value, c->types[i]);
+           bad_argument(err, "task %s: %s is %.17g; expected a number that %s holds", t->name,
+                        arg->name, arg->value, c->types[i]);
 }
 
 // An item's number: of 32 bits only if all have one.
@@ -110,8 +107,7 @@ static bool check_range(task_call *c, const task *t, uint32_t slot, const gen_ar
     task_slot most;
     return (read_scalar(card, &c->scalars[slot]) && task_scalar_is_whole(c->scalars[slot]) &&
             set_whole(&most, c->scalars[slot], (int64_t)t->items)) ||
-           error_set(err, DUET_STATUS_BAD_INPUT,
-                     "%s: items is %llu; the card of %s has '%s %s', expected ulong", t->path,
+           bad_input(err, "%s: items is %llu; the card of %s has '%s %s', expected ulong", t->path,
                      (unsigned long long)t->items, c->kernel, card->type, card->name);
 }
 
@@ -119,15 +115,13 @@ static bool bind_arg(task_call *c, const task *t, const gen_arg *card, duet_erro
 {
     uint32_t i = find_slot(t, card->name);
     if (i == TASK_SLOTS)
-        return error_set(err, DUET_STATUS_BAD_INPUT,
-                         "%s: args has no '%s', which the card of %s has", t->path, card->name,
+        return bad_input(err, "%s: args has no '%s', which the card of %s has", t->path, card->name,
                          c->kernel);
     const task_arg *arg = &t->args[i];
     bool is_array = arg->kind == TASK_ARG_ARRAY, is_buffer = strchr(card->type, '*');
     if (!is_range(t, i) && is_array != is_buffer)
-        return error_set(err, DUET_STATUS_BAD_INPUT, "%s: args.%s is a%s; the card of %s has '%s'",
-                         t->path, arg->name, is_array ? "n array" : " number", c->kernel,
-                         card->type);
+        return bad_input(err, "%s: args.%s is a%s; the card of %s has '%s'", t->path, arg->name,
+                         is_array ? "n array" : " number", c->kernel, card->type);
     snprintf(c->types[i], sizeof c->types[i], "%s", card->type);
     return is_range(t, i) ? check_range(c, t, i, card, err)
            : is_array     ? check_array(c, t, arg, card, err)
@@ -150,16 +144,14 @@ static bool bind_args(task_call *c, const task *t, const gen_entry *entry, duet_
     for (uint32_t i = 0; ok && i < entry->n_fields; ++i)
         ok = bind_arg(c, t, &entry->args[i], err);
     for (uint32_t i = 0; ok && i < 2; ++i)
-        ok = *c->types[t->n_args + i] ||
-             error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: the card of %s has no argument '%s'; expected first and last, the "
-                       "items of a launch",
-                       t->path, c->kernel, ranges[i]);
+        ok = *c->types[t->n_args + i] || bad_input(err,
+                                                   "%s: the card of %s has no argument '%s'; "
+                                                   "expected first and last, the items of a launch",
+                                                   t->path, c->kernel, ranges[i]);
     for (uint32_t i = 0; ok && i < t->n_args; ++i)
         ok = *c->types[i] || strcmp(c->kernel, t->kernel) != 0 ||
-             error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: args.%s: the card of %s has no such argument", t->path, t->args[i].name,
-                       c->kernel);
+             bad_input(err, "%s: args.%s: the card of %s has no such argument", t->path,
+                       t->args[i].name, c->kernel);
     return ok;
 }
 
@@ -185,9 +177,9 @@ bool task_call_read(task_call *c, const task *t, const char *kernel_name, const 
     if (!gen_make(g, kernel_name, NULL, 0, limits, &v, err))
         return false;
     const gen_entry *found = find_entry(&v, entry);
-    bool ok = found ? bind_args(c, t, found, err)
-                    : error_set(err, DUET_STATUS_BAD_INPUT, "%s: the card of %s has no entry '%s'",
-                                t->path, kernel_name, entry);
+    bool ok =
+        found ? bind_args(c, t, found, err)
+              : bad_input(err, "%s: the card of %s has no entry '%s'", t->path, kernel_name, entry);
     gen_variant_free(&v);
     list_bindings(c, t);
     return ok;

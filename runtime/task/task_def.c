@@ -138,7 +138,7 @@ static bool read(task_reading *r, const duet_task_def *def, duet_error *err)
 
 static bool refuse(const task *t, const char *name, const char *what, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_BAD_ARGUMENT, "%s: args.%s %s", t->path, name, what);
+    return bad_argument(err, "%s: args.%s %s", t->path, name, what);
 }
 
 static bool take_initial(task *t, task_arg *arg, const duet_task_arg_def *def, duet_error *err)
@@ -182,9 +182,8 @@ static bool take_arrays(task *t, const duet_task_def *def, task_use use, duet_er
     for (uint32_t i = 0; ok && i < def->n_args; ++i)
         ok = take_initial(t, &t->args[task_find_arg(t, def->args[i].name)], &def->args[i], err);
     if (known && def->reference)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "%s: there are a reference and expected values; expected one of them",
-                         t->path);
+        return bad_argument(
+            err, "%s: there are a reference and expected values; expected one of them", t->path);
     ok = ok && (!known || task_expect_initial(t, err));
     for (uint32_t i = 0; ok && known && i < def->n_args; ++i)
         ok = take_expected(t, &t->args[task_find_arg(t, def->args[i].name)], &def->args[i], err);

@@ -359,10 +359,10 @@ static bool open(task_launcher *l, duet_device_pair *pair, duet_error *err)
     for (int side = 0; side < 2; ++side)
         l->sides[side].launcher = l;
     if (!task_kernel_dir(l->task, pair) && l->task->n_kernels == 0)
-        return error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                         "task %s: neither its def nor the pair says where the kernel's card and "
-                         "text are; expected kernels, a folder or a kernel_dir",
-                         l->task->name);
+        return bad_argument(err,
+                            "task %s: neither its def nor the pair says where the kernel's card "
+                            "and text are; expected kernels, a folder or a kernel_dir",
+                            l->task->name);
     if (!shared_work_open(&l->work, pair, task_kernel_dir(l->task, pair), share, &l->sides[0].side,
                           &l->sides[1].side, err) ||
         !make_results(l, err) || !open_side(&l->sides[0], err) || !open_side(&l->sides[1], err))

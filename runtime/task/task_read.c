@@ -245,8 +245,7 @@ static task *load(task_reading *r, const char *path, duet_error *err)
         return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
     bool ok = take_path(t, path, err) && text_read_lines(&chars, path, err);
     if (ok && text_ends_with(path, ".cl"))
-        ok = error_set(err, DUET_STATUS_BAD_INPUT,
-                       "%s: the text of a kernel; expected a task file, which names it", path);
+        ok = bad_input(err, "%s: the text of a kernel; expected a task file, which names it", path);
     ok = ok && read_script(r, path, &chars, err);
     text_free(&chars);
     if (ok)

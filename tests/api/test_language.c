@@ -10,7 +10,6 @@
 enum { BOXES = 100 };
 
 static duet_scene *scene;
-static duet_device_pair *pair;
 
 static void assert_comma(bool is)
 {
@@ -19,23 +18,14 @@ static void assert_comma(bool is)
     assert_string_equal(shown, is ? "0,5" : "0.5");
 }
 
-static int begin(void **state)
+static void begin(void)
 {
     const duet_setting n = {"n", "100"};
-    (void)state;
-    scene = must(duet_scene_load("paper", &n, 1, ERR));
-    pair = must(duet_device_pair_open(NULL, ERR));
+    scene = kept(duet_scene_load("paper", &n, 1, ERR));
     test_make_comma_locale();
-    return 0;
 }
 
-static int end(void **state)
-{
-    (void)state;
-    duet_scene_destroy(scene);
-    duet_device_pair_destroy(pair);
-    return 0;
-}
+TEST_BEGIN(begin)
 
 static bool see(void *context, const duet_tune_progress *progress)
 {
@@ -50,7 +40,7 @@ static void tune(const char *store)
     uint32_t seen = 0;
     duet_tune_outcome outcome;
     duet_tune_def def = duet_default_tune_def();
-    def.pair = pair;
+    def.pair = default_pair();
     def.scene = scene;
     def.store = store;
     def.variants = &variant;
@@ -121,5 +111,3 @@ TEST(a_failed_call_gives_the_comma_back)
     assert_null(duet_scene_load("none.csv", NULL, 0, NULL));
     assert_comma(true);
 }
-
-TEST_MAIN(begin, end)
