@@ -17,6 +17,5 @@ bool variable_seconds(const char *name, double otherwise, double *seconds, duet_
     char *end = NULL;
     *seconds = value ? strtod(value, &end) : otherwise;
     return !value || (*seconds >= 0 && *seconds <= MOST_SECONDS && !*end) ||
-           error_set(err, DUET_STATUS_BAD_ARGUMENT,
-                     "%s is '%s'; expected a number of seconds from 0 to 1e9", name, value);
+           bad_argument(err, "%s is '%s'; expected a number of seconds from 0 to 1e9", name, value);
 }
