@@ -25,18 +25,33 @@ static race_options first_race(uint32_t shared)
     return o;
 }
 
+// Whether A alone may be the better single device. A search seldom runs it, and while B works as
+// well A may take much longer for each item than alone: then a trial tells, unless even that may
+// cost too much.
+static bool may_be_better(tuning *t, const duet_plan *a_alone)
+{
+    double a_ns = INFINITY, b_ns = INFINITY;
+    for (uint32_t i = 0; i < t->n_founds; ++i) {
+        a_ns = fmin(a_ns, t->founds[i].a_alone_ns);
+        b_ns = fmin(b_ns, t->founds[i].b_alone_ns);
+    }
+    if (a_ns < WORTH_ALONE * b_ns)
+        return true;
+    if (a_ns > search_default_options().probe_cost * b_ns || t->n_founds == 0 ||
+        trial_log_of(t->state, a_alone, (int32_t)t->part, NULL) || !tuning_goes_on(t))
+        return false;
+    trial got = tuning_run_trial(t, a_alone);
+    return got.usable && (double)got.sample.total_ns < WORTH_ALONE * b_ns;
+}
+
 // The devices alone come first, then the best share of each mode.
-static uint32_t enter_rivals(const tuning *t, field *f)
+static uint32_t enter_rivals(tuning *t, field *f)
 {
     const mode_found *founds = t->founds;
-    double a_alone_ns = INFINITY, b_alone_ns = INFINITY;
-    for (uint32_t i = 0; i < t->n_founds; ++i) {
-        a_alone_ns = fmin(a_alone_ns, founds[i].a_alone_ns);
-        b_alone_ns = fmin(b_alone_ns, founds[i].b_alone_ns);
-    }
+    const duet_plan a_alone = tuning_plan(t, DUET_SHARE_ONE, DUET_MODE_OWN);
     field_enter(f, tuning_plan(t, 0, DUET_MODE_OWN));
-    if (a_alone_ns < WORTH_ALONE * b_alone_ns)
-        field_enter(f, tuning_plan(t, DUET_SHARE_ONE, DUET_MODE_OWN));
+    if (may_be_better(t, &a_alone))
+        field_enter(f, a_alone);
     uint32_t n_alone = f->n;
     for (uint32_t i = 0; i < t->n_founds; ++i) {
         if (founds[i].usable && search_is_shared(founds[i].share))
@@ -229,12 +244,12 @@ static void run_alone(tuning *t, field *f)
 void verdict_reach(tuning *t)
 {
     field all = {0}, finalists;
-    uint32_t n_alone = enter_rivals(t, &all);
     t->stage = "verdict";
     t->stage_end = t->problem->whole.open ? VERDICT_END : ALL;
     t->repeats = t->repeats < VERDICT_REPEATS ? t->repeats : VERDICT_REPEATS;
     if (t->problem->def->search)
         t->repeats = tuning_count_launches(t, t->repeats);
+    uint32_t n_alone = enter_rivals(t, &all);
     race_options first = first_race(all.n - n_alone);
     if (all.n > 1)
         field_race(t, &all, &first);

@@ -522,6 +522,26 @@ TEST(the_tuned_plan_is_never_slower_than_a_single_device)
     }
 }
 
+// Devices that share one memory slow each other, so that a part takes A up to three times as long
+// as it would by itself: what A took for its parts does not say that B alone is the better one.
+TEST(a_device_that_sharing_slows_down_is_tried_alone)
+{
+    enum { TIMES = 300 };
+    int a_alone = 0;
+    rng r = rng_seed(test_seed());
+    for (int i = 0; i < TIMES; ++i) {
+        double ratio = pow(8, rng_between(&r, -0.5, 0.5)), slowed = rng_between(&r, 0, 2);
+        fake f = {.model = {.ratio = ratio, .interference = slowed, .sigma = 0.01}, .random = r};
+        uint32_t share = tune_fake(&f).plan.share;
+        double ns = (double)simulated_launch(&f.model, share, NULL).total_ns;
+        assert_true(ns <= 1.02e7 * fmin(ratio, 1));
+        a_alone += share == DUET_SHARE_ONE;
+        r = f.random;
+    }
+    print_message("A alone in %d\n", a_alone);
+    assert_true(a_alone > TIMES / 8);
+}
+
 TEST(each_device_gets_its_best_variant)
 {
     fake f = {.model = {.ratio = 4, .sigma = 0.02},
