@@ -10,10 +10,16 @@ static uint32_t count_parts(const duet_motion *m)
     return (uint32_t)(((uint64_t)most + k->per_item - 1) / k->per_item);
 }
 
+static cl_uint *counted(const duet_motion *m)
+{
+    return m->awake.counts.bytes;
+}
+
 static bool reserve(duet_motion *m, duet_error *err)
 {
     const size_t word = sizeof(uint32_t);
-    return motion_reserve(m, LEVELS, m->n, word, err) &&
+    return host_block_reserve(&m->awake.counts, m->device, 1, LISTED * word, err) &&
+           motion_reserve(m, LEVELS, m->n, word, err) &&
            motion_reserve(m, PART_COUNTS, 2 * (uint64_t)m->awake.n_parts + 1, word, err) &&
            motion_reserve(m, AWAKE, m->n, word, err) &&
            motion_reserve(m, AWAKE_CONTACTS, (uint64_t)m->graph.n_contacts + 1, word, err) &&
@@ -33,8 +39,8 @@ static bool list(duet_motion *m, uint32_t woken, duet_error *err)
            motion_launch_over(m, COUNT_AWAKE, work, err) &&
            scan_run(&m->graph.scan, &m->times, stage, counts, counts, 2 * a->n_parts + 1, err) &&
            motion_launch_over(m, LIST_AWAKE, work, err) &&
-           timeline_start_read(&m->times, stage, &m->buffers[N_LISTED], 0, a->counted,
-                               sizeof a->counted, err);
+           timeline_start_read(&m->times, stage, &m->buffers[N_LISTED], 0, counted(m),
+                               LISTED * sizeof *counted(m), err);
 }
 
 // Lists of more than one in FEW bodies are not made, but for each COUNTED_EVERY steps if something
@@ -45,7 +51,7 @@ static bool are_most_awake(const duet_motion *m)
 {
     const awake_lists *a = &m->awake;
     bool due = a->changed_in >= a->counted_in && m->step - a->counted_in >= COUNTED_EVERY;
-    return a->counted[LISTED_BODIES] > m->n / FEW && !due;
+    return counted(m)[LISTED_BODIES] > m->n / FEW && !due;
 }
 
 // Bodies that were never prepared are, with all others, in the first step.
@@ -54,16 +60,16 @@ bool motion_make_awake(duet_motion *m, duet_error *err)
     awake_lists *a = &m->awake;
     a->n_bodies = m->n;
     a->n_contacts = m->graph.n_contacts;
-    bool made = product_was_made(&m->products, PRODUCT_AWAKE);
-    if (!made)
-        a->counted[LISTED_BODIES] = 0; // the next step counts
-    a->all_awake = !made || are_most_awake(m);
+    bool made = a->counts.bytes && product_was_made(&m->products, PRODUCT_AWAKE);
     product_renew(&m->products, PRODUCT_AWAKE);
     if (!(m->effects & DUET_EFFECT_SLEEP))
         return true;
     a->n_parts = count_parts(m);
     if (!reserve(m, err))
         return false;
+    if (!made)
+        counted(m)[LISTED_BODIES] = 0; // the next step counts
+    a->all_awake = !made || are_most_awake(m);
     if (a->all_awake)
         return true;
     a->counted_in = m->step;
@@ -79,8 +85,8 @@ void motion_count_awake(duet_motion *m)
 {
     if (m->awake.all_awake)
         return;
-    m->awake.n_bodies = m->awake.counted[LISTED_BODIES];
-    m->awake.n_contacts = m->awake.counted[LISTED_CONTACTS];
+    m->awake.n_bodies = counted(m)[LISTED_BODIES];
+    m->awake.n_contacts = counted(m)[LISTED_CONTACTS];
 }
 
 void motion_note_awake(duet_motion *m)

@@ -6,9 +6,7 @@
 #define RUNTIME_AWAKE_H
 
 #include "kernels/dynamics/records.h"
-#include "runtime/duet.h"
-
-#include <CL/cl.h>
+#include "runtime/opencl/buffer.h"
 
 // n_bodies and n_contacts are at least as many as there are in the lists: kernels are launched over
 // so many, and ask the device for the number. With all_awake kernels go over all bodies and
@@ -17,11 +15,11 @@
 typedef struct awake_lists {
     uint32_t n_bodies;
     cl_uint n_contacts;
-    cl_uint all_awake;       // 0 or 1
-    cl_uint counted[LISTED]; // by the device, once a later read has waited
-    uint64_t counted_in;     // the step
-    uint64_t changed_in;     // the last step in which something woke or fell asleep, or a command
-                             // altered bodies
+    cl_uint all_awake;   // 0 or 1
+    host_block counts;   // [LISTED] by the device, once a later read has waited
+    uint64_t counted_in; // the step
+    uint64_t changed_in; // the last step in which something woke or fell asleep, or a command
+                         // altered bodies
     // what a launch is told besides
     cl_uint n_parts;
 } awake_lists;

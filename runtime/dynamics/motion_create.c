@@ -242,6 +242,7 @@ void duet_motion_destroy(duet_motion *m)
     motion_forget_maps(m);
     for (int i = 0; i < MOTION_BUFFERS; ++i)
         buffer_release(&m->buffers[i]);
+    host_block_release(&m->awake.counts);
     scan_close(&m->graph.scan);
     radix_sort_close(&m->solver.radix);
     duet_world_destroy(m->graph.world);
