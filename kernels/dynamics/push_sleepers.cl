@@ -145,7 +145,8 @@ __kernel void push_sleepers(PUSH_SLEEPERS_ARGS)
         for (uint k = get_global_id(0); k < N_AWAKE; k += get_global_size(0))
             take_body(&s, AWAKE_AT(k), round);
 #if MEET
-        meet(&groups);
+        if (round + 1 < to_round)
+            meet(&groups);
 #endif
     }
 #endif

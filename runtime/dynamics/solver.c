@@ -140,16 +140,24 @@ static bool push_sleepers(duet_motion *m, uint32_t from, uint32_t to, duet_error
     const kernel *k = m->kernels.of[PUSH_SLEEPERS];
     m->solver.from_round = from;
     m->solver.to_round = to;
-    return k->groups == GROUPS_APART
-               ? motion_launch(m, PUSH_SLEEPERS, err)
-               : team_launch(m, PUSH_SLEEPERS, m->awake.n_bodies,
-                             k->group > 1 ? k->group : TEAM_LEAST_BODIES, to - from, err);
+    if (k->groups != GROUPS_TEAM && to == from + 1)
+        return motion_launch(m, PUSH_SLEEPERS, err);
+    return team_launch(m, PUSH_SLEEPERS, m->awake.n_bodies,
+                       k->group > 1 ? k->group : TEAM_LEAST_BODIES, to - from, err);
+}
+
+// Groups that meet have a work-item for each body, or take one round a launch.
+static uint32_t rounds_at_once(const duet_motion *m)
+{
+    const kernel *k = m->kernels.of[PUSH_SLEEPERS];
+    const bool meet = k->groups == GROUPS_MEET &&
+                      m->awake.n_bodies <= (uint64_t)team_most_groups(m, k) * k->group;
+    return k->groups == GROUPS_TEAM || meet ? PRESSED_ROUNDS + 1 : 1;
 }
 
 static bool push_all_rounds(duet_motion *m, duet_error *err)
 {
-    const uint32_t each =
-        m->kernels.of[PUSH_SLEEPERS]->groups == GROUPS_APART ? 1 : PRESSED_ROUNDS + 1;
+    const uint32_t each = rounds_at_once(m);
     bool ok = true;
     for (uint32_t from = 0; ok && from <= PRESSED_ROUNDS; from += each)
         ok = push_sleepers(m, from, from + each, err);
