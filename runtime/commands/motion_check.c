@@ -114,7 +114,7 @@ static bool check_object(const duet_motion *m, const motion_saved *s, uint32_t i
     if (!has_box(m, s, id))
         return bad_object(s, id, "its bounds are not finite or not rising", err);
     if (!has_rest(s, id))
-        return bad_object(s, id, "its time at rest is not finite or below 0", err);
+        return bad_object(s, id, "its time at rest is not finite, or below 0 and not -1", err);
     if (s->at[ASLEEP] && words_of(s, ASLEEP)[id] > (SLEEPS | WOKE | PRESSED))
         return bad_object(s, id, "whether it sleeps is said by no such word", err);
     return true;

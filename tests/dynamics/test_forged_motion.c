@@ -256,7 +256,7 @@ static int section_of(motion_buffer which)
 // Each kind of index, count and number, one wrong at a time.
 TEST(what_a_step_would_believe_is_refused)
 {
-    static const uint32_t nan_bits = 0x7fc00000, minus = 0xbf800000, one = 0x3f800000;
+    static const uint32_t nan_bits = 0x7fc00000, minus_two = 0xc0000000, one = 0x3f800000;
     const struct {
         motion_buffer which;
         uint32_t word;
@@ -267,7 +267,7 @@ TEST(what_a_step_would_believe_is_refused)
         {ANGULAR_VELOCITIES, 4, 0x7f800000, "object 1: a number of its state is not finite"},
         {VELOCITIES, 3, one, "object 0: its mass"},
         {ROTATIONS, 7, 0x40000000, "object 1: its rotation is not of length 1"},
-        {RESTS, 2, minus, "object 2: its time at rest"},
+        {RESTS, 2, minus_two, "object 2: its time at rest"},
         {ASLEEP, 3, 8, "object 3: whether it sleeps"},
         {BOXES, 6, 0x7f800000, "object 1: its bounds"},
         {STARTS, 0, 1, "rows do not rise from 0"},
