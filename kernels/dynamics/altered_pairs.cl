@@ -133,52 +133,103 @@ static inline void put_pair(uint a, uint b, volatile __global uint *counts, uint
         pairs[at] = (uint2)(a, b);
 }
 
+// What a search is told.
+typedef struct {
+    ARG_FIELDS
+} search;
+
+static inline void look_at(const search *a, const seeker *s, uint other, const aabb *box)
+{
+    if (do_meet(s, other, box))
+        put_pair(s->id, other, a->altered_counts, a->pair_capacity, a->found_pairs);
+}
+
+// A body of too many cells goes through all that the table has, from one on, `step` apart.
+static inline void go_through(const search *a, const seeker *s, uint from, uint step)
+{
+    for (uint k = from; k < a->n_altered; k += step) {
+        const uint other = a->altered[k];
+        const aabb box = aabb_at(a->boxes, other);
+        const cell_range its = cells_of(&box, a->per_edge);
+        if (is_there(&box) && !are_many(&its))
+            look_at(a, s, other, &box);
+    }
+}
+
+// Of the cells that both overlap the first one finds them.
+static inline void look_into(const search *a, const seeker *s, const cell_range *cells, int3 cell)
+{
+    for (uint at = a->heads[head_of(cell, a->n_heads)]; at > 0; at = a->nexts[at - 1]) {
+        const int4 entry = a->entries[at - 1];
+        if (any(entry.xyz != cell))
+            continue;
+        const aabb box = aabb_at(a->boxes, (uint)entry.w);
+        const int3 begin = max(cells->from, cell_at(box.lower, a->per_edge));
+        if (all(begin == cell))
+            look_at(a, s, (uint)entry.w, &box);
+    }
+}
+
+static inline seeker seeker_at(const search *a, uint id)
+{
+    return (seeker){id, aabb_at(a->boxes, id), a->is_altered[id]};
+}
+
+// Returns whether the body still has to go through all.
+static inline bool seek(const search *a, const seeker *s, const aabb *around, uint n_wide)
+{
+    if (!is_there(&s->box))
+        return false;
+    for (uint k = 0; k < n_wide; ++k) {
+        const aabb box = aabb_at(a->boxes, a->wide[k]);
+        look_at(a, s, a->wide[k], &box);
+    }
+    if (!do_overlap(&s->box, around))
+        return false;
+    const cell_range cells = cells_of(&s->box, a->per_edge);
+    if (are_many(&cells))
+        return true;
+    for (int z = cells.from.z; z <= cells.to.z; ++z)
+        for (int y = cells.from.y; y <= cells.to.y; ++y)
+            for (int x = cells.from.x; x <= cells.to.x; ++x)
+                look_into(a, s, &cells, (int3)(x, y, z));
+    return false;
+}
+
+#define SHARED 64 // bodies of too many cells with which all work-items of a group help
+
 __kernel void find_altered_pairs(FIND_ALTERED_PAIRS_ARGS)
 {
-    uint first = get_global_id(0) * PER_ITEM;
-    uint last = min(first + PER_ITEM, n);
-    uint n_wide = altered_counts[ALTERED_WIDE];
-    aabb around = around_table(altered_counts);
+    const search a = {FIND_ALTERED_PAIRS_VALUES};
+    const uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n);
+    const uint n_wide = altered_counts[ALTERED_WIDE];
+    const aabb around = around_table(altered_counts);
+#if WG > 1
+    __local uint shared[SHARED], n_shared;
+    if (get_local_id(0) == 0)
+        n_shared = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
     for (uint id = first; id < last; ++id) {
-        seeker s;
-        s.id = id;
-        s.box = aabb_at(boxes, id);
-        s.is_altered = is_altered[id];
-        if (!is_there(&s.box))
+        const seeker s = seeker_at(&a, id);
+        if (!seek(&a, &s, &around, n_wide))
             continue;
-        for (uint k = 0; k < n_wide; ++k) {
-            aabb box = aabb_at(boxes, wide[k]);
-            if (do_meet(&s, wide[k], &box))
-                put_pair(id, wide[k], altered_counts, pair_capacity, found_pairs);
-        }
-        if (!do_overlap(&s.box, &around))
-            continue;
-        cell_range cells = cells_of(&s.box, per_edge);
-        if (are_many(&cells)) {
-            for (uint k = 0; k < n_altered; ++k) {
-                aabb box = aabb_at(boxes, altered[k]);
-                cell_range its = cells_of(&box, per_edge);
-                if (is_there(&box) && !are_many(&its) && do_meet(&s, altered[k], &box))
-                    put_pair(id, altered[k], altered_counts, pair_capacity, found_pairs);
-            }
+#if WG > 1
+        const uint at = atomic_inc(&n_shared);
+        if (at < SHARED) {
+            shared[at] = id;
             continue;
         }
-        for (int z = cells.from.z; z <= cells.to.z; ++z)
-            for (int y = cells.from.y; y <= cells.to.y; ++y)
-                for (int x = cells.from.x; x <= cells.to.x; ++x) {
-                    int3 cell = (int3)(x, y, z);
-                    for (uint at = heads[head_of(cell, n_heads)]; at > 0; at = nexts[at - 1]) {
-                        int4 entry = entries[at - 1];
-                        if (any(entry.xyz != cell))
-                            continue;
-                        aabb box = aabb_at(boxes, (uint)entry.w);
-                        // Of the cells that both overlap the first one finds them.
-                        int3 begin = max(cells.from, cell_at(box.lower, per_edge));
-                        if (all(begin == cell) && do_meet(&s, (uint)entry.w, &box))
-                            put_pair(id, (uint)entry.w, altered_counts, pair_capacity, found_pairs);
-                    }
-                }
+#endif
+        go_through(&a, &s, 0, 1);
     }
+#if WG > 1
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint k = 0; k < min(n_shared, (uint)SHARED); ++k) {
+        const seeker s = seeker_at(&a, shared[k]);
+        go_through(&a, &s, get_local_id(0), WG);
+    }
+#endif
 }
 
 static inline bool is_kept(uint2 link, __global const uint *is_altered, uint n)
