@@ -167,13 +167,15 @@ static bool push_all_rounds(duet_motion *m, duet_error *err)
 // ---------------------------------------------------------------- all passes at once
 
 // Bodies that take as long as a contact of a colour, and fewer if groups meet; contacts of a
-// colour, or bodies that take as long, that a group has at least; passes of a substep; contacts of
-// a colour that a work-item takes one after the other at most if groups meet.
+// colour, or bodies that take as long, that a group has at least; passes of a substep, and of a
+// launch of a team; contacts of a colour that a work-item takes one after the other at most if
+// groups meet.
 enum {
     BODIES_OF_ONE = 4,
     BODIES_OF_MEETING = 2,
     GROUP_LEAST = 64,
     PASSES = 2,
+    TEAM_PASSES = 2 * PASSES,
     CONTACTS_OF_ONE = 2
 };
 
@@ -215,7 +217,7 @@ static bool launch_passes(duet_motion *m, uint32_t from, uint32_t to, duet_error
 static uint32_t passes_at_once(const duet_motion *m, uint32_t passes)
 {
     const kernel *k = m->kernels.of[SOLVE_SUBSTEPS];
-    return k->groups == GROUPS_TEAM && most_work(m, k) > GROUP_LEAST ? PASSES : passes;
+    return k->groups == GROUPS_TEAM && most_work(m, k) > GROUP_LEAST ? TEAM_PASSES : passes;
 }
 
 // Shocks have given back all speed.
