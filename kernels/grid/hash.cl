@@ -24,7 +24,6 @@
 //   keys     [n]  NOWHERE for an object that is bad or elsewhere
 //   counts   [key_to - key_from] zeroed before; objects a cell (RANK)
 //   ranks    [n]  (RANK)
-//   sums     [...] zeroed before; objects in SUM_BLOCK cells each, for the scan of the counts (SUM_BLOCK)
 //   marks    [n / STRAYS]  the stamp if a block has a key from marked_from to marked_to (STRAYS)
 //   edges    [n / PER_ITEM, rounded up, + 1] the first own cell of each work-item, ascending (OWN)
 //   others   [n]  ids of objects in cells of other work-items (OWN)
@@ -33,9 +32,6 @@
 #endif
 #ifndef STRAYS
 #define STRAYS 0
-#endif
-#ifndef SUM_BLOCK
-#define SUM_BLOCK 0
 #endif
 
 typedef struct {
@@ -113,46 +109,20 @@ static inline uint find_keys(const hashing *h, uint from, uint size, uint last, 
 
 // ------------------------------------------------------------ ranks
 
-// Objects that came to one block of cells, one after the other: those in order change blocks rarely.
-typedef struct {
-    uint block, n;
-} run;
-
-static inline void end_run(run *r, volatile __global uint *sums)
-{
-    if (r->n > 0)
-        atomic_add(sums + r->block, r->n);
-    r->n = 0;
-}
-
-static inline void add_to_run(run *r, volatile __global uint *sums, uint key)
-{
-#if SUM_BLOCK
-    if (key / SUM_BLOCK != r->block)
-        end_run(r, sums);
-    r->block = key / SUM_BLOCK;
-    ++r->n;
-#endif
-}
-
 // Atomics wait for the stores before them, so the ranks are stored later.
-static inline void rank_batch(const hashing *h, run *counted, uint from, uint size, uint found[BATCH],
+static inline void rank_batch(const hashing *h, uint from, uint size, uint found[BATCH],
                               const uint picked[BATCH + LANES], uint n_picked)
 {
-    for (uint k = 0; SUM_BLOCK && k < n_picked; ++k)
-        add_to_run(counted, h->sums, found[picked[k]]);
     for (uint k = 0; k < n_picked; ++k)
         found[picked[k]] = atomic_inc(h->counts + found[picked[k]]);
     for (uint k = 0; k < size; ++k)
         h->ranks[from + k] = found[k];
 }
 
-static inline void rank_one(const hashing *h, run *counted, uint id, uint key)
+static inline void rank_one(const hashing *h, uint id, uint key)
 {
-    if (key == NOWHERE)
-        return;
-    add_to_run(counted, h->sums, key);
-    h->ranks[id] = atomic_inc(h->counts + key);
+    if (key != NOWHERE)
+        h->ranks[id] = atomic_inc(h->counts + key);
 }
 
 // Ranks objects in the work-item's own cells, n_own from own_from on, and lists the others. The counts
@@ -182,7 +152,6 @@ __kernel void hash(HASH_ARGS)
     const hashing h = {HASH_VALUES};
     uint first = n_hashed + get_global_id(0) * PER_ITEM;
     uint last = min(first + PER_ITEM, n);
-    run counted = {0, 0};
 #if OWN
     uint own_from = edges[first / PER_ITEM], n_own = edges[first / PER_ITEM + 1] - own_from;
 #endif
@@ -196,13 +165,11 @@ __kernel void hash(HASH_ARGS)
         rank_own(&h, others, own_from, n_own, from, size, found);
 #else
         if (RANK && BATCH > 1)
-            rank_batch(&h, &counted, from, size, found, picked, n_picked);
+            rank_batch(&h, from, size, found, picked, n_picked);
         else if (RANK)
-            rank_one(&h, &counted, from, found[0]);
+            rank_one(&h, from, found[0]);
 #endif
     }
-    if (SUM_BLOCK)
-        end_run(&counted, h.sums);
 }
 
 // ------------------------------------------------------------ own cells

@@ -10,8 +10,6 @@ return {
       about = "objects in each block that is marked where the other device wants any of it" },
     { "OWN", min = 0, max = 1, default = 0, silent = true,
       about = "1: objects are in about the order of cells, of which each work-item has its own" },
-    { "SUM_BLOCK", min = 0, max = 1048576, default = 0, silent = true,
-      about = "cells whose objects are counted together, too, for the scan of the counts" },
     { "LANES", values = { 1, 8 }, default = common.by_device(8, 1), about = "objects side by side in a work-item" },
     { "BATCH", values = { 1, 8, 64 }, default = common.by_device(64, 1),
       about = "objects whose cells are known before the first is counted" },
@@ -35,7 +33,6 @@ return {
       uint *ranks            if RANK == 1
       const uint *edges      if OWN == 1
       uint *others           if OWN == 1
-      volatile uint *sums    if SUM_BLOCK > 0
       uint marked_from       if STRAYS > 0
       uint marked_to         if STRAYS > 0
       uint stamp             if STRAYS > 0
@@ -62,7 +59,7 @@ return {
   },
   valid = function(p, limits)
     if p.BATCH % p.LANES ~= 0 then return false, "BATCH is not a multiple of LANES" end
-    if p.OWN == 1 and (p.RANK == 0 or p.SUM_BLOCK > 0) then return false, "OWN is for counting cells alone" end
+    if p.OWN == 1 and p.RANK == 0 then return false, "OWN is for counting cells alone" end
     if p.BATCH > p.LANES and not limits.cpu then return false, "BATCH above LANES is for CPUs" end
     if p.SHAPE == 1 and p.ROTATED == 1 then return false, "bounds have no rotation" end
     if p.SHAPE == 3 and p.ROTATED == 1 then return false, "spheres have no rotation" end

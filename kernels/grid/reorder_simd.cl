@@ -11,9 +11,6 @@
 //@ end
 //   starts [n_own_cells + 1] the last one: how many are in the grid
 //   next_counters [COUNTERS] become zero, for the next step
-//@ if TO_PLACES == 1 then
-//   sums   [n_blocks] of the scan; become zero, too
-//@ end
 //   bounds [2 DIMS + 1][COLUMN(place_capacity)], with ORIGIN DIMS more
 //   boxes  [COLUMN(place_capacity)][BOX_WORDS] (poses)
 
@@ -153,10 +150,6 @@ __kernel void reorder_simd(REORDER_SIMD_ARGS)
         counters[COUNT_PLACED] = placed;
         for (uint k = 0; k < COUNTERS; ++k)
             next_counters[k] = 0;
-//@ if TO_PLACES == 1 then
-        for (uint k = 0; k < n_blocks; ++k)
-            sums[k] = 0;
-//@ end
     }
 //@ if TO_PLACES == 1 then
     uint id = get_global_id(0) * PER_ITEM;

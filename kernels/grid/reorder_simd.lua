@@ -37,8 +37,6 @@ return {
       float *sorted_boxes  if SHAPE ~= 1
       volatile uint *counters
       uint *next_counters
-      uint *sums           if TO_PLACES == 1
-      uint n_blocks        if TO_PLACES == 1
     ]],
   },
   valid = function(p, limits)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Exclusive prefix sum in place, in three launches: the sum of each block, the
-// sums scanned by one group, then each block from its sum.
+// Exclusive prefix sum in place. On a GPU in three launches: the sum of each block, the
+// sums scanned by one group, then each block from its sum. On a CPU in one (scan_at_once).
 //
 //   values [n]
 //   sums   [n_blocks], a block being WG * PER_ITEM values
+//   told   [parts][2] a part's sum, and the stamp of its scan
 //@ if EMPTIES == 1 then
 //   to     [n] where the sums go; the values are zero then, so that they can be counted anew
 //@ end
@@ -32,20 +33,22 @@ static inline uint group_scan(uint value, __local uint *shared_sums, uint *total
 #endif
 }
 
-// Four at a time: n and first are multiples of four as long as PER_ITEM is, but
-// for the end.
+// Four at a time: first is a multiple of four.
+static inline uint sum_between(__global const uint *values, uint first, uint last)
+{
+    uint sum = 0, i = first;
+    for (; i + 4 <= last; i += 4) {
+        const uint4 four = *(__global const uint4 *)(values + i);
+        sum += four.x + four.y + four.z + four.w;
+    }
+    for (; i < last; ++i)
+        sum += values[i];
+    return sum;
+}
+
 static inline uint sum_of(__global const uint *values, uint first, uint n)
 {
-    uint sum = 0;
-    if (first + PER_ITEM <= n) {
-        __global const uint4 *fours = (__global const uint4 *)(values + first);
-        for (uint i = 0; i < PER_ITEM / 4; ++i)
-            sum += fours[i].x + fours[i].y + fours[i].z + fours[i].w;
-    } else {
-        for (uint i = first; i < n; ++i)
-            sum += values[i];
-    }
-    return sum;
+    return sum_between(values, first, min(first + PER_ITEM, n));
 }
 
 // The sum of one value a work-item over the group, for all of it.
@@ -59,12 +62,12 @@ static inline uint group_sum(uint value, __local uint *shared_sums)
 // Replaces a work-item's values by their exclusive sums; `running` is that of all before. In a
 // group four at a time, so that neighbours write whole sectors.
 //@ if EMPTIES == 1 then
-static inline void put_sums(__global uint *values, __global uint *to, uint first, uint n, uint running)
+static inline void put_sums(__global uint *values, __global uint *to, uint first, uint last, uint running)
 //@ else
-static inline void put_sums(__global uint *values, uint first, uint n, uint running)
+static inline void put_sums(__global uint *values, uint first, uint last, uint running)
 //@ end
 {
-    uint last = min(first + PER_ITEM, n), i = first;
+    uint i = first;
 //@ if WG > 1 then
     for (; i + 4 <= last; i += 4) {
         __global uint4 *four = (__global uint4 *)(values + i);
@@ -137,9 +140,62 @@ scan_blocks(SCAN_BLOCKS_ARGS)
     uint total;
     uint running = before_block(sums, use_tops, shared_sums);
     running += group_scan(sum_of(values, first, n), shared_sums, &total);
+    const uint last = min(first + PER_ITEM, n);
 //@ if EMPTIES == 1 then
-    put_sums(values, to, first, n, running);
+    put_sums(values, to, first, last, running);
 //@ else
-    put_sums(values, first, n, running);
+    put_sums(values, first, last, running);
+//@ end
+}
+
+// ------------------------------------------------------------ at once
+
+// Looks at another's part before its values are added up again: it mostly is told within these.
+#define LOOKS 1024
+
+// Invariant: a part is told before its values are overwritten. So who finds it untold after reading its
+// values has read them all as they were, and nobody waits.
+static inline uint sum_of_part(__global const uint *values, volatile __global const uint *told, uint2 part, uint stamp)
+{
+    for (uint looks = 0; looks < LOOKS && told[1] != stamp; ++looks)
+        ;
+    if (told[1] != stamp) {
+        order_memory();
+        const uint sum = sum_between(values, part.x, part.y);
+        order_memory();
+        if (told[1] != stamp)
+            return sum;
+    }
+    order_memory();
+    return told[0];
+}
+
+static inline void tell(volatile __global uint *told, uint sum, uint stamp)
+{
+    told[0] = sum;
+    order_memory();
+    told[1] = stamp;
+    order_memory();
+}
+
+static inline uint2 part_of(uint i, uint n)
+{
+    const uint parts = (uint)get_global_size(0), each = ((n - 1) / parts / 4 + 1) * 4, first = min(i * each, n);
+    return (uint2)(first, min(first + each, n));
+}
+
+// Each work-item has a part.
+__kernel void scan_at_once(SCAN_AT_ONCE_ARGS)
+{
+    const uint own = (uint)get_global_id(0);
+    const uint2 part = part_of(own, n);
+    uint running = 0;
+    tell(told + 2 * own, sum_between(values, part.x, part.y), stamp);
+    for (uint i = 0; i < own; ++i)
+        running += sum_of_part(values, told + 2 * i, part_of(i, n), stamp);
+//@ if EMPTIES == 1 then
+    put_sums(values, to, part.x, part.y, running);
+//@ else
+    put_sums(values, part.x, part.y, running);
 //@ end
 }

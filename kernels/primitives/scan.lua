@@ -24,5 +24,12 @@ return {
       const uint *sums
       uint use_tops
     ]],
+    scan_at_once = [[
+      uint *values
+      uint *to  if EMPTIES == 1
+      uint n
+      volatile uint *told
+      uint stamp
+    ]],
   },
 }

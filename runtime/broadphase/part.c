@@ -55,7 +55,6 @@ const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                  BUFFER("counters", "uint *", counters),
                                  BUFFER("next_counters", "uint *", next_counters),
                                  BUFFER("marks", "uint *", requests.words),
-                                 BUFFER("sums", "uint *", scan.sums),
                                  BUFFER("blocks", "interior_block *", interior.blocks),
                                  BUFFER("global_ids", "uint2 *", global_ids.own),
                                  BUFFER("id_changes", "uint4 *", id_changes),
@@ -64,7 +63,6 @@ const binding part_bindings[] = {BUFFER("objects", "float *", args.objects),
                                  BIND_VALUE(part, "stamp", requests.last.epoch),
                                  BIND_VALUE(part, "n_keys", args.n),
                                  BIND_VALUE(part, "place_capacity", place_capacity),
-                                 BIND_VALUE(part, "n_blocks", scan.n_blocks),
                                  VALUE(n),
                                  VALUE(n_levels),
                                  VALUE(n_cells),
@@ -191,7 +189,7 @@ void part_forget_grid(part *p)
 
 uint64_t part_bytes(const part *p)
 {
-    uint64_t bytes = p->scan.sums.bytes + p->radix.tiles.bytes;
+    uint64_t bytes = p->scan.sums.bytes + p->scan.told.bytes + p->radix.tiles.bytes;
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i)
         bytes += ((const buffer *)((const char *)p + buffers[i]))->bytes;
     return bytes;

@@ -76,14 +76,14 @@ typedef struct part_choice {
     bool open;
 } part_choice;
 
-enum { PART_CHOICES = 27, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS + 1 };
+enum { PART_CHOICES = 26, PART_OFFERS = PART_CHOICES + VARIANT_SETTINGS };
 
 // Facts of the kernels that a part has, by the task and the variant that they were built for.
 typedef enum part_fact {
     PART_TESTS_BOXES = 1 << 0,  // beyond their bounds
     PART_LEAVES_BOXES = 1 << 1, // boxes are read by id, where the objects are
     PART_OWN_CELLS = 1 << 2,    // objects are counted without atomics
-    PART_SUMS_BLOCKS = 1 << 3,  // objects are counted by the scan's blocks, too
+    PART_TO_PLACES = 1 << 3,    // objects reach cell order by key and rank
     PART_BY_IDS = 1 << 4,       // objects reach cell order by their sorted ids
     PART_FUSED = 1 << 5         // candidates are tested where they are found
 } part_fact;

@@ -36,8 +36,7 @@ static uint32_t count_starts(const part *p)
     return own_cells(p) + 1 + STARTS_BEHIND;
 }
 
-// Zeroes the counters, and with them n_counts of the objects a cell and all those of the scan's
-// blocks. Mostly the step before has done that (p->zero_words).
+// Zeroes the counters, and with them n_counts of the objects a cell. Mostly the step before has done that (p->zero_words).
 static bool clear(part *p, uint32_t n_counts, duet_error *err)
 {
     uint32_t work = n_counts > COUNTERS ? n_counts : COUNTERS;
@@ -45,10 +44,7 @@ static bool clear(part *p, uint32_t n_counts, duet_error *err)
     buffer_swap(&p->counters, &p->next_counters);
     p->zero_words = 0;
     p->args.n_counts = n_counts;
-    return is_done || (timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err) &&
-                       (!(p->facts & PART_SUMS_BLOCKS) ||
-                        timeline_fill(&p->times, "clear", &p->scan.sums, 0, 0,
-                                      p->scan.sums.bytes / sizeof(uint32_t), err)));
+    return is_done || timeline_launch(&p->times, "clear", p->kernels.clear, work, p, err);
 }
 
 // ---------------------------------------------------------------- sorting
@@ -162,8 +158,7 @@ static bool launch_over_objects(part *p, const char *stage, const kernel *k, due
 static bool counting_sort(part *p, duet_error *err)
 {
     return hash_objects(p, false, err) &&
-           ((p->facts & PART_SUMS_BLOCKS) ? scan_run_summed : scan_run)(
-               &p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(p), err) &&
+           scan_run(&p->scan, &p->times, "sort", &p->counts, &p->starts, count_starts(p), err) &&
            (!(p->facts & PART_BY_IDS) || launch_over_objects(p, "sort", p->kernels.scatter, err));
 }
 
@@ -248,11 +243,10 @@ static bool reserve_places(part *p, size_t n, duet_error *err)
 // Without a counting sort nothing is counted.
 static bool reserve_counts(part *p, duet_error *err)
 {
-    size_t before = p->counts.bytes + p->scan.sums.bytes;
+    size_t before = p->counts.bytes;
     size_t words = p->variant.sort == SORT_COUNTING ? count_starts(p) : 1;
-    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err) &&
-              (!(p->facts & PART_SUMS_BLOCKS) || scan_reserve(&p->scan, count_starts(p), err));
-    if (p->counts.bytes + p->scan.sums.bytes != before)
+    bool ok = buffer_reserve(&p->counts, p->device, words * sizeof(uint32_t), err);
+    if (p->counts.bytes != before)
         p->zero_words = 0;
     return ok;
 }

@@ -105,10 +105,10 @@ static bool leaves_boxes(const part *p)
 static uint32_t facts_of(const part *p)
 {
     const bool boxes = p->task.objects->shape != DUET_SHAPE_BOUNDS, own = counts_own_cells(p);
-    const bool sums = goes_to_places(p) && p->variant.search == SEARCH_SIMD && boxes && !own;
+    const bool to_places = goes_to_places(p) && p->variant.search == SEARCH_SIMD && boxes && !own;
     return (boxes && level_of(&p->task) != DUET_LEVEL_AABB ? PART_TESTS_BOXES : 0) |
            (leaves_boxes(p) ? PART_LEAVES_BOXES : 0) | (own ? PART_OWN_CELLS : 0) |
-           (sums ? PART_SUMS_BLOCKS : 0);
+           (to_places ? PART_TO_PLACES : 0);
 }
 
 // The facts that cards decide.
@@ -116,7 +116,7 @@ static uint32_t facts_of_kernels(const part *p)
 {
     const bool by_ids = p->variant.search == SEARCH_GPU
                             ? kernel_param(p->kernels.place, "FROM_IDS") == 1
-                            : !(p->facts & PART_SUMS_BLOCKS);
+                            : !(p->facts & PART_TO_PLACES);
     return (by_ids ? PART_BY_IDS : 0) |
            (kernel_param(p->kernels.candidates, "FUSED") == 1 ? PART_FUSED : 0);
 }
@@ -164,8 +164,7 @@ static void choose(const part *p, uint32_t facts, part_choice choices[PART_CHOIC
         {"GUARDED", slabs, false},
         {"SLAB", slabs && is_cut(task), false},
         {"FROM_IDS", !to_places, counting && task->role == GRID_OWN},
-        {"TO_PLACES", (facts & PART_SUMS_BLOCKS) != 0, false},
-        {"SUM_BLOCK", 0, false}, // the scan's, once its kernels are there
+        {"TO_PLACES", (facts & PART_TO_PLACES) != 0, false},
         {"EMPTIES", counting, false},
         {"FUSED", tested && v->fused, tested},
     };
@@ -229,12 +228,7 @@ static bool ask_sorts(part *p, duet_error *err)
 {
     const kernel_request list[] = {SCAN_KERNELS(&p->scan, true),
                                    RADIX_SORT_KERNELS(&p->radix, p->variant.sort == SORT_RADIX)};
-    if (!ASK(p, list, err))
-        return false;
-    if (p->facts & PART_SUMS_BLOCKS)
-        p->offers[p->n_offers++] =
-            (gen_offer){"hash", "SUM_BLOCK", SCAN_BLOCK(&p->scan), GEN_OFFERED, NULL};
-    return true;
+    return ASK(p, list, err);
 }
 
 static bool ask_grid_and_search(part *p, duet_error *err)
@@ -363,7 +357,7 @@ const kernel *part_kernel(const part *p, const char *name)
 {
     const part_kernels *k = &p->kernels;
     const kernel *all[] = {k->clear,  k->hash,       k->scatter,     k->starts,    k->place,
-                           k->narrow, k->candidates, p->scan.blocks, p->radix.move};
+                           k->narrow, k->candidates, SCAN_LAST(&p->scan), p->radix.move};
     for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
         if (kernel_is(all[i], name))
             return all[i];

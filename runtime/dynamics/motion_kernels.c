@@ -411,19 +411,17 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
     radix_sort *sorts = &m->solver.radix;
     const motion_kernels kernels = m->kernels;
     const motion_layout layout = m->layout;
-    kernel *const of_sorts[] = {sums->block_sums, sums->top_sums, sums->blocks, sorts->count,
-                                sorts->move};
+    const scan of_sums = *sums;
+    kernel *const of_sorts[] = {sorts->count, sorts->move};
     bool ok = choose_all(m, err) && program_set_build(m->programs, err);
     product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
         program_set_spare(m->programs);
         m->kernels = kernels;
         m->layout = layout;
-        sums->block_sums = of_sorts[0];
-        sums->top_sums = of_sorts[1];
-        sums->blocks = of_sorts[2];
-        sorts->count = of_sorts[3];
-        sorts->move = of_sorts[4];
+        *sums = of_sums;
+        sorts->count = of_sorts[0];
+        sorts->move = of_sorts[1];
     }
     return ok;
 }

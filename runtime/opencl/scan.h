@@ -5,38 +5,40 @@
 
 #include "runtime/opencl/timeline.h"
 
+// A GPU has the three launches, a CPU the one. Invariant: no part of `told` has the stamp of a scan
+// that was not launched yet.
 typedef struct scan {
     const device *device;
     kernel *block_sums, *top_sums, *blocks;
+    kernel *at_once;
     buffer sums; // [n_blocks]
+    buffer told; // [parts][2] the sum of a part, and the stamp of its scan
     buffer values, to;
-    cl_uint n, n_blocks, use_tops;
+    cl_uint n, n_blocks, use_tops, stamp;
 } scan;
 
-// The rows of its kernels in its owner's list; the owner also names the device, which outlives it.
-#define SCAN_KERNELS(scan, wanted)                                       \
-    {&(scan)->block_sums, wanted, "scan", "scan_sums", scan_bindings},   \
-        {&(scan)->top_sums, wanted, "scan", "scan_tops", scan_bindings}, \
-    {                                                                    \
-        &(scan)->blocks, wanted, "scan", "scan_blocks", scan_bindings    \
+// The rows of its kernels in its owner's list; the owner names the device, which outlives it,
+// before.
+#define SCAN_IS_AT_ONCE(scan) ((scan)->device->info.kind == DUET_KIND_CPU)
+#define SCAN_ROW(at, wanted, entry)                 \
+    {                                               \
+        &(at), wanted, "scan", entry, scan_bindings \
     }
+#define SCAN_KERNELS(scan, wanted)                                                   \
+    SCAN_ROW((scan)->block_sums, (wanted) && !SCAN_IS_AT_ONCE(scan), "scan_sums"),   \
+        SCAN_ROW((scan)->top_sums, (wanted) && !SCAN_IS_AT_ONCE(scan), "scan_tops"), \
+        SCAN_ROW((scan)->blocks, (wanted) && !SCAN_IS_AT_ONCE(scan), "scan_blocks"), \
+        SCAN_ROW((scan)->at_once, (wanted) && SCAN_IS_AT_ONCE(scan), "scan_at_once")
 extern const binding scan_bindings[];
 
-// Values whose sum is one of `sums`, as its kernels have it.
-#define SCAN_BLOCK(scan) ((scan)->block_sums->group * (scan)->block_sums->per_item)
+// The kernel that writes the sums.
+#define SCAN_LAST(scan) ((scan)->at_once ? (scan)->at_once : (scan)->blocks)
 
 void scan_close(scan *s);
-
-// Makes space for the sums of n values.
-bool scan_reserve(scan *s, uint32_t n, duet_error *err);
 
 // Writes to each of n words the sum of the values before its own; `to` may be the values
 // themselves. Kernels built with EMPTIES do not allow that, and set the values to zero.
 bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, const buffer *to,
               uint32_t n, duet_error *err);
-
-// The same where the sums of the blocks are there already: a launch less.
-bool scan_run_summed(scan *s, timeline *t, const char *stage, const buffer *values,
-                     const buffer *to, uint32_t n, duet_error *err);
 
 #endif

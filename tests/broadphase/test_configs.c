@@ -257,7 +257,7 @@ static void assert_ran(const duet_world *world, const gen_variant *v, const char
 {
     const part *p = &world->parts[1];
     const part_kernels *k = &p->kernels;
-    const kernel *all[] = {k->clear,  k->hash,  p->scan.block_sums, k->scatter, p->radix.count,
+    const kernel *all[] = {k->clear,  k->hash,  SCAN_LAST(&p->scan), k->scatter, p->radix.count,
                            k->starts, k->place, k->candidates,      k->narrow};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         if (all[i] && strcmp(all[i]->name, v->name) == 0)

@@ -26,10 +26,11 @@ static bench b;
 static bool ask_for_scan(const gen_offer *offers, uint32_t n, duet_error *err)
 {
     const kernel_request list[] = {SCAN_KERNELS(&b.s, true)};
-    return program_set_kernels(b.set, list, 3, offers, n, err);
+    return program_set_kernels(b.set, list, sizeof list / sizeof *list, offers, n, err);
 }
 
-// Groups of one work-item, as a CPU has them, or of several.
+// By a CPU that says to have more units than threads, so that parts are added up before they are
+// told; or by blocks, as a GPU does.
 static void open_bench(bool emptying, bool grouped)
 {
     const device_root *roots = NULL;
@@ -43,6 +44,8 @@ static void open_bench(bool emptying, bool grouped)
                                 {NULL, "WG", grouped ? 64 : 1, GEN_REQUIRED, NULL},
                                 {NULL, "PER_ITEM", grouped ? 4 : 8192, GEN_REQUIRED, NULL}};
     must(device_open(&b.d, roots[cpu].info.selector, ERR));
+    b.d.info.units = 16;
+    b.d.info.kind = grouped ? DUET_KIND_GPU : DUET_KIND_CPU;
     b.g = must(gen_open(NULL, ERR));
     b.set = must(program_set_open(&b.d, b.g, NULL, ERR));
     b.s.device = &b.d;
@@ -97,8 +100,8 @@ static void try_numbers(rng *r, bool emptying, bool grouped)
 {
     static const uint32_t numbers[] = {1, 3, 4, 255, 256, 257, 8191, 8192, 8193, 100001, MOST};
     open_bench(emptying, grouped);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
-        try_scan(r, numbers[i], emptying);
+    for (size_t i = 0; i < 4 * sizeof numbers / sizeof *numbers; ++i)
+        try_scan(r, numbers[i % (sizeof numbers / sizeof *numbers)], emptying);
     close_bench();
 }
 
@@ -247,5 +250,6 @@ TEST(a_scan_that_cannot_be_opened_has_no_kernels)
     assert_null(b.s.block_sums);
     assert_null(b.s.top_sums);
     assert_null(b.s.blocks);
+    assert_null(b.s.at_once);
     close_bench();
 }
