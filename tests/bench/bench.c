@@ -31,7 +31,7 @@ void bench_fail(void)
 void *bench_alloc(size_t bytes)
 {
     void *zeros = calloc(1, bytes + 1);
-    must(zeros || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes));
+    must(zeros || no_memory(ERR, "%zu bytes", bytes));
     return zeros;
 }
 
@@ -64,7 +64,7 @@ duet_pose *bench_poses(uint32_t n, const bench_options *options)
     duet_pose *poses = aligned_alloc(PAGE, bytes);
     rng r = rng_seed(options->seed);
     double world = paper_world(n);
-    must(poses || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n));
+    must(poses || no_memory(ERR, "%u objects", n));
     for (uint32_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
             poses[i].centre[k] = (float)rng_between(&r, 0, world);

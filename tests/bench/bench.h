@@ -39,7 +39,7 @@ typedef struct bench_options {
 // clang-format off
 #define BENCHES(X)                                                                               \
     X(share, "two devices against the better one, each way to split")                            \
-    X(step, "a whole step and its stages, against the AVX2 program and the paper's kernels")      \
+    X(step, "a whole step and its stages, against the paper's kernels")                           \
     X(still, "what effects cost a scene that calls for none")                                    \
     X(growth, "time an object, up to --n objects")                                               \
     X(commands, "bodies that come and go before each step, and the same only woken")             \
