@@ -70,7 +70,7 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
     worker *workers[2] = {NULL};
     duet_cluster *c = calloc(1, sizeof *c);
     if (!c) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a cluster: no memory");
+        no_memory(err, "a cluster");
         return NULL;
     }
     c->def = *def;

@@ -404,7 +404,7 @@ static given_command give_shared(moving *m, const command *c, const command *to,
     command_part *parts = calloc(m->parts, sizeof *parts);
     given_command given = COMMAND_REFUSED;
     if (!parts)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for its parts", c->call);
+        no_memory(own, "the parts of %s", c->call);
     else
         check_command(m, c, own);
     if (ranks_agree(m->ranks, is_well(own), own))

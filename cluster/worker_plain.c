@@ -33,7 +33,7 @@ static void *map(worker *w, uint32_t n, duet_error *err)
         uint64_t most = (uint64_t)n + n / 16;
         void *objects = realloc(p->objects, (most + 1) * p->form.bytes);
         if (!objects) {
-            error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
+            no_memory(err, "%u objects", n);
             return NULL;
         }
         p->objects = objects;
@@ -167,7 +167,7 @@ worker *worker_open_plain(const duet_world_def *def, const simulation *s, duet_e
         return NULL;
     plain_worker *p = calloc(1, sizeof *p);
     if (!p) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a rank's objects: no memory");
+        no_memory(err, "a rank's objects");
         return NULL;
     }
     bool finds = !s || s->object_seconds == 0;

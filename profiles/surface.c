@@ -69,7 +69,7 @@ bool profile_surfaces_get(store *s, profile_surface **surfaces, uint32_t *n, due
         if (more[i].joint) // brute without kernels to vary is of shares alone
             all[(*n)++] = more[i];
     free(more);
-    return ok && (all || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for surfaces"));
+    return ok && (all || no_memory(err, "surfaces"));
 }
 
 static const sql_column launch_columns[] = {

@@ -190,7 +190,7 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
     if (!world) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a world");
+        no_memory(err, "a world");
         return NULL;
     }
     world->def = own;

@@ -55,7 +55,7 @@ static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
         !widen(&c->generations, sizeof *c->generations, most) ||
         !widen(&c->states, sizeof *c->states, most) ||
         !widen(&c->user_data, sizeof *c->user_data, most))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", most);
+        return no_memory(err, "%u bodies", most);
     c->capacity = most;
     return true;
 }

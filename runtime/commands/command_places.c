@@ -105,7 +105,7 @@ bool act_set_targets(duet_motion *m, command *c, duet_error *err)
     const uint32_t n = c->list.n;
     motion_target *more = realloc(left->targets, ((size_t)left->n_targets + n + 1) * sizeof *more);
     if (!more)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u targets", n);
+        return no_memory(err, "%u targets", n);
     left->targets = more;
     for (uint32_t i = 0; i < n; ++i) {
         left->targets[left->n_targets++] = (motion_target){c->places[i], targets[i]};
