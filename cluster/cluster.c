@@ -68,10 +68,8 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
     duet_error own = {0};
     worker *workers[2] = {NULL};
     duet_cluster *c = calloc(1, sizeof *c);
-    if (!c) {
-        no_memory(err, "a cluster");
-        return NULL;
-    }
+    if (!c)
+        return null_no_memory(err, "a cluster");
     c->def = *def;
     double most_parts = def->parts < MOST_PARTS ? def->parts : MOST_PARTS;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);

@@ -172,10 +172,8 @@ static void name_pair(worker_pair *p, const duet_device_pair *pair)
 worker *worker_open_pair(const duet_world_def *def, duet_error *err)
 {
     worker_pair *p = calloc(1, sizeof *p);
-    if (!p) {
-        no_memory(err, "a rank's world");
-        return NULL;
-    }
+    if (!p)
+        return null_no_memory(err, "a rank's world");
     duet_world_def own = *def;
     own.has_world = false;
     own.keep_bad = true; // so that it is the cluster that names a bad object

@@ -186,10 +186,8 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
     if (!read_plan(&wish, variants, &plan, def, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
-    if (!world) {
-        no_memory(err, "a world");
-        return NULL;
-    }
+    if (!world)
+        return null_no_memory(err, "a world");
     world->def = *def;
     world->objects = (grid_objects){.kind = world_objects_kind(def),
                                     .shape = def->shape,

@@ -121,10 +121,8 @@ duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def,
     if (!check_def(def, err))
         return NULL;
     duet_contact_query *query = calloc(1, sizeof *query);
-    if (!query) {
-        no_memory(err, "a query");
-        return NULL;
-    }
+    if (!query)
+        return null_no_memory(err, "a query");
     side *a = &query->sides[0], *b = &query->sides[1];
     uint32_t share = def->share;
     if (share == DUET_SHARE_DEFAULT)

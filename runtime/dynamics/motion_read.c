@@ -180,10 +180,8 @@ bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
 duet_state *motion_read_states(duet_motion *m, duet_error *err)
 {
     duet_state *states = malloc(((size_t)m->n + 1) * sizeof *states);
-    if (!states) {
-        no_memory(err, "%u states", m->n);
-        return NULL;
-    }
+    if (!states)
+        return null_no_memory(err, "%u states", m->n);
     if (motion_fetch_states(m, NULL, m->n, states, NULL, err))
         return states;
     free(states);

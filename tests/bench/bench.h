@@ -46,7 +46,6 @@ typedef struct bench_options {
     X(rays, "a tree over the paper's scene, and as many rays through it")                        \
     X(spheres, "a million equal spheres, and as many unrotated cubes in their places")           \
     X(pairs, "searches for kernels and share on invented device pairs")                         \
-    X(tune, "searches for the share on this machine, one device slowed down")                    \
     X(tasks, "kernels and share of the example tasks, by each strategy and by all plans")        \
     X(strategies, "searches for the share on invented device pairs")
 #define BENCH_DECLARE(name, about) void bench_##name(const bench_options *options);
