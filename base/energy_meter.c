@@ -79,7 +79,7 @@ static bool open_file(energy_meter *m, const char *path, duet_error *err)
     double joules;
     m->file = strdup(path);
     if (!m->file)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for its name", path);
+        return no_memory(err, "the name of %s", path);
     describe(m, path);
     return read_file(m, &joules) ||
            error_set(err, DUET_STATUS_NOT_FOUND,

@@ -321,9 +321,8 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
     canvas_polygon(c, page, 4, paper, paper);
     draw_floor(&v, c, s->def);
     relief hills;
-    bool ok =
-        relief_begin(&hills, &bodies->def, &v, err) &&
-        (blocks || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path));
+    bool ok = relief_begin(&hills, &bodies->def, &v, err) &&
+              (blocks || no_memory(err, "the picture %s", path));
     if (ok)
         draw_blocks(s, &hills, c, blocks, bodies);
     write_caption(s, &v, c, bodies, time);

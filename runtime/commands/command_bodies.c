@@ -156,7 +156,7 @@ static bool check_twice(const duet_motion *m, const command *c, duet_error *err)
 {
     uint8_t *seen = calloc((size_t)m->n + 1, 1);
     if (!seen)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u places", c->call, m->n);
+        return no_memory(err, "%u places in %s", m->n, c->call);
     bool ok = true;
     for (uint32_t i = 0; ok && i < c->list.n; ++i) {
         if (seen[c->places[i]]++)

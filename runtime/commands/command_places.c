@@ -66,8 +66,7 @@ static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
 {
     const uint32_t n = c->list.n;
     duet_state *states = malloc(n * sizeof *states + 1);
-    bool ok =
-        states || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u states", c->call, n);
+    bool ok = states || no_memory(err, "%u states in %s", n, c->call);
     ok = ok && motion_fetch_states(m, c->places, n, states, NULL, err);
     if (ok)
         set_velocities(m, c, states);

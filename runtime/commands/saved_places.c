@@ -208,7 +208,7 @@ static bool take_targets(duet_motion *copy, uint32_t n, const char **at, const c
     motion_commands *c = copy->commands;
     c->targets = malloc((size_t)n * sizeof *c->targets + 1);
     if (!c->targets)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u targets", path, n);
+        return no_memory(err, "%u targets of %s", n, path);
     memcpy(c->targets, *at, n * sizeof *c->targets);
     *at += n * sizeof *c->targets;
     c->n_targets = n;
