@@ -79,7 +79,7 @@ static bool open_file(energy_meter *m, const char *path, duet_error *err)
     double joules;
     m->file = strdup(path);
     if (!m->file)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for its name", path);
+        return no_memory(err, "the name of %s", path);
     describe(m, path);
     return read_file(m, &joules) ||
            error_set(err, DUET_STATUS_NOT_FOUND,
@@ -207,7 +207,7 @@ energy_meter *energy_meter_open(const energy_meter_def *def, duet_error *err)
 {
     energy_meter *m = calloc(1, sizeof *m);
     if (!m)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory to read energy");
+        return null_no_memory(err, "the energy");
     m->opened_ns = clock_steady_ns();
     if (def->file ? open_file(m, def->file, err) : open_counters(m, def, err))
         return m;

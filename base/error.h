@@ -37,8 +37,12 @@ bool error_set(duet_error *err, duet_status status, const char *format, ...)
 #define bad_argument(err, ...) error_set(err, DUET_STATUS_BAD_ARGUMENT, __VA_ARGS__)
 #define bad_input(err, ...) error_set(err, DUET_STATUS_BAD_INPUT, __VA_ARGS__)
 
+// The same for memory that the host does not have, from words for what it was to hold.
+#define no_memory(err, ...) error_set(err, DUET_STATUS_NO_MEMORY, "no memory for " __VA_ARGS__)
+
 // The same for makers: NULL.
 #define error_null(...) (error_set(__VA_ARGS__), NULL)
+#define null_no_memory(...) (no_memory(__VA_ARGS__), NULL)
 
 // The same with a failure that another call told.
 bool error_copy(duet_error *err, const duet_error *why);

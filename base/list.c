@@ -18,6 +18,5 @@ void *list_room(void *items, uint64_t n, size_t size, duet_error *err)
     if (!budget_space((size_t)room * size, err))
         return NULL;
     void *grown = realloc(items, (size_t)room * size);
-    return grown ? grown
-                 : error_null(err, DUET_STATUS_NO_MEMORY, "no memory for %" PRIu64 " items", room);
+    return grown ? grown : null_no_memory(err, "%" PRIu64 " items", room);
 }

@@ -98,8 +98,7 @@ const char *text_chars(const text *t)
 
 bool text_ok(const text *t, duet_error *err)
 {
-    return !t->failed ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "a text of %zu bytes: no memory", t->length);
+    return !t->failed || no_memory(err, "a text of %zu bytes", t->length);
 }
 
 void text_free(text *t)

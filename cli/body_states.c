@@ -23,7 +23,7 @@ bool body_states_read(body_states *b, duet_motion *motion, duet_error *err)
     b->boxes = calloc((size_t)n + 1, sizeof *b->boxes);
     b->ids = calloc((size_t)n + 1, sizeof *b->ids);
     if (!b->states || !b->boxes || !b->ids)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", n);
+        return no_memory(err, "a picture of %u objects", n);
     return duet_motion_get_states(motion, b->states, err) &&
            duet_motion_get_rounded_boxes(motion, b->boxes, err) &&
            duet_motion_get_ids(motion, 0, n, b->ids, err) && carry_mesh(b, err);
@@ -33,7 +33,7 @@ bool body_states_read_asleep(body_states *b, duet_motion *motion, duet_error *er
 {
     b->asleep = calloc((size_t)b->n + 1, sizeof *b->asleep);
     if (!b->asleep)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that sleep", b->n);
+        return no_memory(err, "%u objects that sleep", b->n);
     return duet_motion_get_asleep(motion, b->asleep, err);
 }
 

@@ -53,7 +53,7 @@ static bool measure(const subject *s, const subject *beside, uint64_t steps, dou
 {
     double *times = calloc(steps, sizeof *times);
     if (!times)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of steps: no memory");
+        return no_memory(err, "the times of steps");
     duet_motion *m = begin(s, err);
     duet_motion *other = beside ? begin(beside, err) : NULL;
     bool ok = m && (other || !beside);
@@ -139,7 +139,7 @@ static bool measure_effect(const subject *whole, double whole_ms, cost *row, uin
     subject s = *whole;
     s.bodies = malloc(s.n * sizeof *s.bodies + 1);
     if (!s.bodies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", s.n);
+        return no_memory(err, "%u bodies", s.n);
     memcpy(s.bodies, whole->bodies, s.n * sizeof *s.bodies);
     take_away(&s, effect);
     duet_motion *m = begin(&s, err);
@@ -179,7 +179,7 @@ static bool fill_subject(subject *s, const duet_motion_def *def, const duet_scen
     *s = (subject){.def = *def, .scene = scene, .n = duet_scene_get_info(scene)->n};
     s->bodies = malloc(s->n * sizeof *s->bodies + 1);
     if (!s->bodies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", s->n);
+        return no_memory(err, "%u bodies", s->n);
     const duet_body *given = duet_scene_get_bodies(scene);
     for (uint32_t i = 0; i < s->n; ++i)
         s->bodies[i] = given ? given[i] : duet_default_body();

@@ -105,7 +105,7 @@ static duet_state *states_of(const verified_run *r, duet_error *err)
     duet_error why = {0};
     duet_state *states = malloc((duet_motion_get_count(r->motion) + (size_t)1) * sizeof *states);
     if (!states)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for the states to compare");
+        return null_no_memory(err, "the states to compare");
     if (duet_motion_get_states(r->motion, states, &why) || why.status == DUET_STATUS_BAD_OBJECT)
         return states;
     free(states);

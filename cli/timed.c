@@ -34,7 +34,7 @@ static bool add(timed *t, uint32_t *n, const duet_result *result, duet_error *er
     timed_step *step = &t->steps[t->n + t->n_staged];
     step->stages = calloc(result->n_stages + 1, sizeof *step->stages);
     if (!step->stages)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of a step: no memory");
+        return no_memory(err, "the times of a step");
     if (result->n_stages > 0)
         memcpy(step->stages, result->stages, result->n_stages * sizeof *step->stages);
     step->n_stages = result->n_stages;
@@ -110,7 +110,7 @@ bool timed_run(timed *t, duet_world *world, const duet_scene *scene, uint32_t re
 {
     t->steps = calloc((size_t)repeat + STAGED_MOST, sizeof *t->steps);
     if (!t->steps)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of %u steps: no memory", repeat);
+        return no_memory(err, "the times of %u steps", repeat);
     progress p = progress_begin("step", repeat);
     bool ok = duet_world_set_scene(world, scene, err) && duet_world_step(world, &t->last, err);
     t->hash = ok ? duet_result_get_hash(&t->last) : 0;
@@ -156,7 +156,7 @@ bool timed_task_run(timed *t, task_launcher *l, const duet_device_pair *pair, co
     task_result first;
     t->steps = calloc(repeat, sizeof *t->steps);
     if (!t->steps)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "the times of %u launches: no memory", repeat);
+        return no_memory(err, "the times of %u launches", repeat);
     core_watch *cores = core_watch_open();
     bool ok = task_launch(l, plan, &first, err);
     while (ok && t->n < repeat && !interrupt_asked())

@@ -320,9 +320,7 @@ bool timestep_study_measure(timestep_study *p, duet_device_pair *pair, const due
     s.truth = calloc((size_t)n + 1, sizeof *s.truth);
     s.states = calloc((size_t)n + 1, sizeof *s.states);
     duet_motion *m = duet_motion_create_from_scene(&s.def, scene, NULL, err);
-    bool ok =
-        m && ((s.truth && s.states) ||
-              error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u objects", n));
+    bool ok = m && ((s.truth && s.states) || no_memory(err, "the states of %u objects", n));
     if (ok) {
         s.def.substeps = duet_motion_get_def(m)->substeps;
         list_rows(&s, duet_motion_get_effects(m));

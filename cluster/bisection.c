@@ -12,7 +12,7 @@ bool bisection_begin(bisection *b, uint32_t n, duet_error *err)
     *b = (bisection){.n = n, .planes = malloc((size_t)n * sizeof *b->planes)};
     for (uint32_t i = 0; b->planes && i < n; ++i)
         b->planes[i] = (bisection_plane){INFINITY, 0};
-    return b->planes || error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", n);
+    return b->planes || no_memory(err, "%" PRIu32 " parts", n);
 }
 
 void bisection_end(bisection *b)

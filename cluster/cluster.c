@@ -26,9 +26,8 @@ static bool check_def(const duet_cluster_def *def, duet_error *err)
             err, "has_accuracy is for one world; expected a level, which all ranks share");
     if (def->world.keep_bad)
         return bad_argument(err, "keep_bad is for one world; expected false");
-    if (def->world.separate_sizes || def->world.compact_transforms)
-        return bad_argument(err, "%s is for one world; expected false",
-                            def->world.separate_sizes ? "separate_sizes" : "compact_transforms");
+    if (def->world.pose_form)
+        return bad_argument(err, "pose_form is for one world; expected DUET_POSE_WHOLE");
     if (def->parts < 1 || def->parts > MOST_PARTS)
         return bad_argument(err, "parts is %u; expected 1 to %d", def->parts, MOST_PARTS);
     return def->imbalance > 1 ||
@@ -69,10 +68,8 @@ duet_cluster *cluster_create(const duet_cluster_def *def, const simulation *s, d
     duet_error own = {0};
     worker *workers[2] = {NULL};
     duet_cluster *c = calloc(1, sizeof *c);
-    if (!c) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a cluster: no memory");
-        return NULL;
-    }
+    if (!c)
+        return null_no_memory(err, "a cluster");
     c->def = *def;
     double most_parts = def->parts < MOST_PARTS ? def->parts : MOST_PARTS;
     bool ok = ranks_begin(&c->ranks, def->comm, s, err);

@@ -181,6 +181,5 @@ bool colouring_run(waiting_contact *contacts, uint64_t *n, uint64_t *n_left, due
     free(c.ends);
     free(c.ends_of);
     free(c.keys);
-    return ok || error_set(err, DUET_STATUS_NO_MEMORY,
-                           "the colours of %" PRIu64 " contacts: no memory", *n);
+    return ok || no_memory(err, "the colours of %" PRIu64 " contacts", *n);
 }

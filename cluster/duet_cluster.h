@@ -24,7 +24,7 @@ typedef struct duet_cluster_def {
     void *comm; // an MPI_Comm *, of which a copy is used. NULL: MPI_COMM_WORLD; if MPI was not
                 // begun, create begins it and destroy ends it
     duet_world_def world; // the same on all ranks, except pair and plan. has_accuracy, keep_bad,
-                          // separate_sizes and compact_transforms are refused; max_pairs holds for
+                          // pose_form is refused; max_pairs holds for
                           // each rank, ghosts' pairs included
     const char *pair;     // this rank's devices if world.pair is NULL, as duet_device_pair_def.a
                           // has them. NULL: DUET_PAIR, or else this rank's part of its host: a GPU,

@@ -157,7 +157,7 @@ bool ghost_traffic_take(const ghost_traffic *t, const ghosts *g, ranks *r, uint6
     traffic_step s = {.traffic = t, .ghosts = g, .ranks = r};
     s.requests = malloc(4 * (size_t)r->n * sizeof *s.requests);
     if (!s.requests)
-        error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
+        no_memory(err, "messages to %d ranks", r->n);
     bool ok = is_well(err) && reserve(&s, &s.out, t->step_bytes, err) &&
               reserve(&s, &s.in, t->step_bytes, err);
     ok = ranks_agree(r, ok, err);

@@ -93,7 +93,7 @@ static bool find_visits(search *s, duet_error *err)
         parallel_each(s->o->threads, s->o->boundary.n, search_part, s);
     for (int part = 0; ok && part < PARALLEL_MOST; ++part)
         ok = !s->g->parts[part].failed;
-    return ok || error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+    return ok || no_memory(err, "ghosts");
 }
 
 static uint32_t message_bytes(const object_form *form)
@@ -131,7 +131,7 @@ static bool write_visits(search *s, const ranks *r, duet_error *err)
 {
     parcels *out = &s->g->out;
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    bool ok = places || no_memory(err, "%d ranks", r->n);
     for (int part = 0; ok && part < PARALLEL_MOST; ++part)
         for (int q = 0; q < r->n; ++q)
             out->counts[q] += s->counts[part * (size_t)r->n + (size_t)q];
@@ -191,7 +191,7 @@ bool ghosts_sort(ghosts *g, const owned *o, const ranks *r, duet_error *err)
     free(g->list);
     g->list = n > 1 ? malloc((g->in.n + 1) * sizeof *g->list) : NULL;
     if (n > 1 && !g->list)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+        return no_memory(err, "ghosts");
     memset(g->first, 0, (n + 1) * sizeof *g->first);
     if (n == 1)
         g->first[1] = g->in.n;
@@ -219,8 +219,7 @@ bool ghosts_begin(ghosts *g, const owned *o, const ranks *r, duet_error *err)
     *g = (ghosts){0};
     g->boxes = malloc((size_t)r->n * o->most_domains * sizeof *g->boxes);
     g->first = malloc((o->n_domains + 1) * sizeof *g->first);
-    return (g->boxes && g->first) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "boxes of %d ranks: no memory", r->n);
+    return (g->boxes && g->first) || no_memory(err, "boxes of %d ranks", r->n);
 }
 
 void ghosts_end(ghosts *g)

@@ -102,7 +102,7 @@ static bool reserve_places(halo_side *s, uint64_t n, duet_error *own)
     if (n > s->places.capacity) {
         uint32_t *rows = realloc(s->places.rows, (n + n / 4) * sizeof *rows);
         if (!rows)
-            return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+            return no_memory(own, "a halo");
         s->places.rows = rows;
         s->places.capacity = n + n / 4;
     }
@@ -117,7 +117,7 @@ static bool tell_places(const halo_side *s, const moving *m, uint32_t from, duet
     for (int k = 0; k < HALO_LISTS; ++k)
         failed = failed || s->runs[k].failed;
     if (failed)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+        return no_memory(own, "a halo");
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_list_ids(m->domains[k].motion, list, from, s->places.rows + from,
                         (uint32_t)s->places.n - from, own);
@@ -131,7 +131,7 @@ static bool list_all(halo_side *s, const moving *m, duet_error *own)
     free(s->pressed);
     s->pressed = calloc(s->items.n + 1, sizeof *s->pressed);
     if (!s->counts || !s->pressed || !reserve_places(s, s->items.n + 1, own))
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+        return no_memory(own, "a halo");
     for (int k = 0; k < HALO_LISTS; ++k)
         clear_list(s, k, m->ranks->n);
     s->first[HALO_ALL] = 0;
@@ -172,7 +172,7 @@ static bool settle(halo *h, moving *m, duet_error *own)
     if (!h->requests)
         h->requests = malloc(4 * (size_t)m->ranks->n * sizeof *h->requests);
     if (!h->requests || h->sent.items.failed || h->received.items.failed)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a halo: no memory");
+        return no_memory(own, "a halo");
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
         domain_reserve_ghosts(m->domains[k].motion, own);
     return is_well(own) && settle_side(&h->sent, m, own) && settle_side(&h->received, m, own);
@@ -507,7 +507,7 @@ static void read_asked(const halo_side *s, const moving *m, parcels *out, duet_e
     list_asked(s, out, &asked);
     bool ok = parcels_reserve(out, m->ranks, NULL, own);
     if (asked.list.failed || asked.runs.failed)
-        ok = error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+        ok = no_memory(own, "contacts of ghosts");
     for (uint64_t i = 0; ok && i < asked.runs.n; ++i) {
         const halo_run *run = &asked.runs.runs[i];
         ok =
@@ -524,7 +524,7 @@ static void take_asked(halo_side *s, const moving *m, const parcels *in, duet_er
     list_asked(s, &s->rows, &asked);
     bool ok = !asked.list.failed && !asked.runs.failed;
     if (!ok)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+        no_memory(own, "contacts of ghosts");
     for (uint64_t i = 0; ok && i < asked.runs.n; ++i) {
         const halo_run *run = &asked.runs.runs[i];
         ok = domain_take_asked(m->domains[run->domain].motion, asked.list.contacts + run->first,

@@ -112,7 +112,7 @@ bool ids_are_distinct(ranks *r, const uint64_t *ids, uint32_t n, duet_error *err
     if (r->n == 1)
         return true;
     range own = {1, 0}, *all = malloc((size_t)r->n * sizeof *all);
-    bool ok = all || error_set(err, DUET_STATUS_NO_MEMORY, "the ids of %d ranks: no memory", r->n);
+    bool ok = all || no_memory(err, "the ids of %d ranks", r->n);
     ok = ranks_agree(r, ok, err);
     if (n > 0)
         own = (range){ids[0], ids[n - 1]};

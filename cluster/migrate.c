@@ -42,7 +42,7 @@ static bool refuse_bad(const migration *m, const overview *v, ranks *r, duet_err
 
 static bool no_memory_at_border(uint64_t n, duet_error *err)
 {
-    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects at the border: no memory", n);
+    return no_memory(err, "%" PRIu64 " objects at the border", n);
 }
 
 static bool classify_all(migration *m, duet_error *err)

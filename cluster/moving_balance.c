@@ -71,7 +71,7 @@ static bool compare_times(moving *m, duet_error *own)
 {
     work_row *rows = calloc((size_t)m->ranks->n, sizeof *rows);
     if (!rows)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", m->ranks->n);
+        no_memory(own, "%d ranks", m->ranks->n);
     bool ok = ranks_agree(m->ranks, is_well(own), own);
     if (ok) {
         ranks_gather(m->ranks, &m->balance.done, rows, sizeof *rows);

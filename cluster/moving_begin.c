@@ -96,7 +96,7 @@ void *moving_tell(const moving *m, const void *of_rank_0, size_t bytes, duet_err
         return NULL;
     void *copy = malloc(bytes);
     if (!copy)
-        error_set(own, DUET_STATUS_NO_MEMORY, "what rank 0 tells: no memory");
+        no_memory(own, "what rank 0 tells");
     else if (m->ranks->self == 0)
         memcpy(copy, of_rank_0, bytes);
     if (ranks_agree(m->ranks, is_well(own), own))
@@ -155,7 +155,7 @@ static void open_domains(moving *m, duet_error *own)
     ranks_await_turn(m->ranks, true);
     m->domains = calloc(m->parts, sizeof *m->domains);
     if (!m->domains)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+        no_memory(own, "%u domains", m->parts);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         m->domains[k].number = (uint32_t)m->ranks->self * m->parts + k;
         m->domains[k].reach = extent_none;
@@ -220,7 +220,7 @@ static bool begin_some(const moving *m, duet_motion *reader, uint32_t first, uin
     *some = (moving_domain){.motion = reader, .number = m->domains[0].number, .n_own = n};
     some->bodies.rows = malloc(((size_t)n + 1) * sizeof *some->bodies.rows);
     if (!some->bodies.rows)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", n);
+        return no_memory(own, "%u bodies", n);
     for (uint32_t i = 0; i < n; ++i)
         some->bodies.rows[i] = (moving_body){.id = first + i, .own = some->number, .complete = 1};
     some->bodies.n = n;
@@ -327,7 +327,7 @@ moving *moving_begin(ranks *r, const moving_start *start, duet_error *own)
     moving *m = calloc(1, sizeof *m);
     duet_motion *known = NULL;
     if (!m)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a motion over ranks: no memory");
+        no_memory(own, "a motion over ranks");
     if (is_well(own) && r->self == 0)
         known = know_scene(start, own);
     if (is_well(own) && known && begins_on_device(&known->def, start))

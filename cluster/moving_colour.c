@@ -28,7 +28,7 @@ static uint32_t *read_used(const moving_domain *d, duet_error *own)
     list_ends(d, &places);
     uint32_t *used = malloc((places.n + 1) * sizeof *used);
     if (!used || places.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+        no_memory(own, "colours");
     else
         domain_read_used(d->motion, places.rows, (uint32_t)places.n, used, own);
     free(places.rows);
@@ -73,7 +73,7 @@ static void wait_for_colours(const moving *m, moving_domain *d, waiting_list *wa
         if (d->told.colours[i] == COLOUR_WAITS)
             row_list_add(&d->waiting, i);
     if (d->waiting.failed) {
-        error_set(own, DUET_STATUS_NO_MEMORY, "colours: no memory");
+        no_memory(own, "colours");
         return;
     }
     uint32_t *used = read_used(d, own);
@@ -105,7 +105,7 @@ static bool tell_all(moving *m, const waiting_list *waiting, parcels *all, duet_
 {
     const telling t = {waiting, (uint64_t)m->ranks->n};
     if (is_well(own) && waiting->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
+        no_memory(own, "contacts that wait for colours");
     const parcels_def out = {.n = waiting->n * t.n_ranks,
                              .row_bytes = sizeof(waiting_contact),
                              .write = write_waiting,
@@ -161,7 +161,7 @@ static void note_in_order(const moving *m, moving_domain *d, const domain_contac
                          (uint32_t)colouring_place(all, n, moving_id(m, d, c->links[i].s[0]),
                                                    moving_id(m, d, c->links[i].s[1])));
     if (d->in_order.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts in order: no memory");
+        no_memory(own, "contacts in order");
 }
 
 // All ranks learn which contacts are solved in order, and each domain where its own lie among them.

@@ -103,11 +103,11 @@ static uint64_t *choose_ids(const moving *m, const command *c, duet_error *own)
     parcels in = {0};
     uint64_t *ids = malloc((size_t)n * sizeof *ids + 1);
     if (!ids)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for %u ids", c->call, n);
+        no_memory(own, "%u ids in %s", n, c->call);
     for (uint32_t k = 0; k < m->parts; ++k)
         list_empty(&m->domains[k], n, &empty);
     if (is_well(own) && empty.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for empty places", c->call);
+        no_memory(own, "empty places in %s", c->call);
     const parcels_def out = {.n = empty.n, .row_bytes = sizeof *ids, .rows = empty.ids};
     bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
     if (ok && m->ranks->self == 0)
@@ -157,7 +157,7 @@ static bool reserve_part(command_part *p, const command *c, duet_error *own)
     p->c.new_bodies = p->bodies;
     p->c.blamed = &p->blamed;
     return (p->of && p->ids && p->c.places && p->rows && (p->bodies || !c->new_bodies)) ||
-           error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", c->call, c->list.n);
+           no_memory(own, "%u bodies in %s", c->list.n, c->call);
 }
 
 static void add_to_part(command_part *p, const command *c, uint32_t i, uint32_t place, uint64_t id)
@@ -310,7 +310,7 @@ static void add_new_bodies(moving *m, moving_domain *d, const command_part *p, d
         ++d->n_own;
     }
     if (d->bodies.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for bodies that come", p->c.call);
+        no_memory(own, "bodies that come in %s", p->c.call);
     else
         moving_index_places(m, d, own);
 }
@@ -404,7 +404,7 @@ static given_command give_shared(moving *m, const command *c, const command *to,
     command_part *parts = calloc(m->parts, sizeof *parts);
     given_command given = COMMAND_REFUSED;
     if (!parts)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for its parts", c->call);
+        no_memory(own, "the parts of %s", c->call);
     else
         check_command(m, c, own);
     if (ranks_agree(m->ranks, is_well(own), own))
@@ -459,7 +459,7 @@ bool moving_get_user_data(moving *m, duet_body_list list, const char *call, uint
     *n = s.c.list.n;
     *data = calloc((size_t)*n + 1, sizeof **data);
     if (is_well(own) && !*data)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%s: no memory for %u numbers", call, *n);
+        no_memory(own, "%u numbers in %s", *n, call);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
         command_part p = {0};
         make_part(m, &m->domains[k], &s.c, NULL, &p);

@@ -55,7 +55,7 @@ static bool read_sampled(const moving *m, const moving_domain *d, const row_list
     s->used = calloc(places->n + 1, sizeof *s->used);
     s->states = malloc(places->n * domain_state_bytes(d->motion) + 1);
     if (!s->used || !s->states || places->failed)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
+        return no_memory(own, "a partition");
     return domain_read_states(d->motion, places->rows, n, s->states, own) &&
            (!moving_pushes(m) || domain_read_used(d->motion, places->rows, n, s->used, own));
 }
@@ -88,7 +88,7 @@ bool moving_cut_by(moving *m, const item_list *points, duet_error *own)
         .n = points->n, .row_bytes = sizeof(bisection_point), .rows = points->items};
     parcels in = {0};
     if (is_well(own) && points->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "a partition: no memory");
+        no_memory(own, "a partition");
     bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
     if (ok && m->ranks->self == 0)
         bisection_cut(&m->cuts, NULL, in.rows, in.n);

@@ -55,7 +55,7 @@ static void add_touching(moving *m, const moving_domain *d, duet_error *own)
     const motion_events *e = &d->motion->told;
     uint8_t *told = malloc(d->motion->graph.n_contacts + 1);
     if (!told)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that touch: no memory");
+        no_memory(own, "contacts that touch");
     else if (domain_read_told(d->motion, told, own))
         for (size_t i = 0; d->bodies.n > 0 && is_well(own) && i < e->links.n; ++i) {
             duet_pair link = e->links.pairs[i];

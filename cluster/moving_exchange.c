@@ -82,7 +82,7 @@ static void list_staying(const moving *m, const moving_domain *d, row_list *plac
     domain_near *near = NULL;
     uint32_t n = 0, n_extents = 0;
     if (!extents)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+        no_memory(own, "%u domains", m->n_domains);
     for (uint32_t k = 0; extents && k < m->n_domains; ++k)
         if (k != d->number && extent_widest(&m->reaches[k]) >= 0.0)
             moving_round_extent(m, &m->reaches[k], false, extents[n_extents++]);
@@ -104,7 +104,7 @@ static void send_ghosts(moving *m, moving_domain *d, item_list *out, duet_error 
     for (uint64_t i = 0; is_well(own) && i < d->n_came_own; ++i)
         add_ghosts_of(m, d, moving_traveller_at(m, &d->came, i), out);
     if (rows.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "ghosts: no memory");
+        no_memory(own, "ghosts");
     free(places.rows);
     free(rows.items);
 }

@@ -13,7 +13,7 @@ static bool gather(moving *m, const item_list *rows, size_t bytes, parcels *in, 
 {
     const parcels_def out = {.n = rows->n, .row_bytes = bytes, .rows = rows->items};
     if (is_well(own) && rows->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "rows that are saved: no memory");
+        no_memory(own, "rows that are saved");
     return parcels_deal(m->ranks, is_well(own), &out, in, own);
 }
 
@@ -50,7 +50,7 @@ static void list_kept(const moving *m, const moving_domain *d, item_list *contac
     domain_contacts all;
     moving_contact *row = malloc(m->contact_bytes);
     if (!row)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that are saved: no memory");
+        no_memory(own, "contacts that are saved");
     if (row && domain_read_contacts(d->motion, true, &all, own)) {
         for (uint32_t i = 0; i < all.n; ++i) {
             if (!is_kept(d, &all, i))

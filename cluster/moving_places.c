@@ -25,7 +25,7 @@ void moving_index_places(const moving *m, moving_domain *d, duet_error *own)
     index->firsts = firsts ? firsts : index->firsts;
     index->n = 0;
     if (!firsts) {
-        error_set(own, DUET_STATUS_NO_MEMORY, "%" PRIu64 " bodies: no memory", n);
+        no_memory(own, "%" PRIu64 " bodies", n);
         return;
     }
     uint64_t stretch = 0;
@@ -66,8 +66,7 @@ bool moving_reserve_places(moving_domain *d, uint64_t n, duet_error *own)
 {
     domain_place *places = realloc(d->places, (n + FIXED) * sizeof *places);
     d->places = places ? places : d->places;
-    return places ||
-           error_set(own, DUET_STATUS_NO_MEMORY, "the places of %" PRIu64 " bodies: no memory", n);
+    return places || no_memory(own, "the places of %" PRIu64 " bodies", n);
 }
 
 domain_place moving_place_of(const moving_domain *d, const moving_body *b, const duet_body *given)

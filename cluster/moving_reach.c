@@ -56,7 +56,7 @@ static void list_neighbours(const moving *m, moving_domain *d, duet_error *own)
         if (k != d->number && extents_meet(&m->reaches[k], &m->reaches[d->number]))
             row_list_add(&d->neighbours, k);
     if (d->neighbours.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+        no_memory(own, "%u domains", m->n_domains);
 }
 
 bool moving_find_reaches(moving *m, duet_error *own)
@@ -65,7 +65,7 @@ bool moving_find_reaches(moving *m, duet_error *own)
     if (!m->reaches)
         m->reaches = calloc(m->n_domains, sizeof *m->reaches);
     if (!here || !m->reaches)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->n_domains);
+        no_memory(own, "%u domains", m->n_domains);
     bool ok = ranks_agree(m->ranks, is_well(own), own);
     for (uint32_t k = 0; ok && k < m->parts; ++k)
         here[k] = extent_grown(reach_of(m, &m->domains[k]), layers_of(m) * m->extent);
@@ -106,7 +106,7 @@ static float *read_far_boxes(const moving_domain *d, const domain_near *near, ui
     uint32_t *places = malloc((n + 1) * sizeof *places);
     float *boxes = malloc((6 * (size_t)n + 1) * sizeof *boxes);
     if (!places || !boxes)
-        error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of %u bodies: no memory", n);
+        no_memory(own, "the bounds of %u bodies", n);
     for (uint32_t i = 0; places && i < n; ++i)
         places[i] = near[i].place;
     if (is_well(own))
@@ -136,7 +136,7 @@ static bool list_near(const moving *m, const moving_domain *d, domain_near **nea
     const uint32_t n_extents = (uint32_t)d->neighbours.n + 1;
     float(*extents)[6] = malloc(n_extents * sizeof *extents);
     if (!extents)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "the bounds of bodies: no memory");
+        return no_memory(own, "the bounds of bodies");
     moving_round_extent(m, &m->reaches[d->number], true, extents[0]);
     for (uint32_t i = 1; i < n_extents; ++i)
         moving_round_extent(m, &m->reaches[d->neighbours.rows[i - 1]], false, extents[i]);

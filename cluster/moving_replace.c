@@ -100,8 +100,7 @@ static bool grow(moving_domain *d, uint64_t n, duet_error *own)
     d->bodies.rows = rows ? rows : d->bodies.rows;
     d->bodies.capacity = rows ? most + 1 : d->bodies.capacity;
     if (!rows)
-        return error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %" PRIu64 " bodies: no memory",
-                         n);
+        return no_memory(own, "a domain of %" PRIu64 " bodies", n);
     return moving_reserve_places(d, most, own);
 }
 
@@ -151,7 +150,7 @@ static bool wake(moving_domain *d, row_list *places, duet_error *own)
         return true;
     cl_uint *rests = malloc(places->n * sizeof *rests);
     if (!rests || places->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "bodies that wake: no memory");
+        no_memory(own, "bodies that wake");
     else if (leave_sleepers(d, places, rests, own)) {
         memset(rests, 0, places->n * sizeof *rests);
         domain_unpack_rows(d->motion, RESTS, NULL, places->rows, (uint32_t)places->n, rests, own);
@@ -186,7 +185,7 @@ static void keep_contacts(const moving *m, const moving_domain *d, duet_error *o
     }
     uint32_t *moved = find_moved(d);
     if (!moved)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u bodies: no memory", d->motion->n);
+        no_memory(own, "%u bodies", d->motion->n);
     else
         domain_keep_contacts(d->motion, moved, own);
     free(moved);
@@ -233,11 +232,11 @@ void moving_replace(moving *m, moving_domain *d, duet_error *own)
     replacement r = {0};
     if (!moving_order_contacts(m, &d->contacts) ||
         !row_order(&d->came, m->traveller_bytes, key_of_traveller))
-        error_set(own, DUET_STATUS_NO_MEMORY, "what came to a domain: no memory");
+        no_memory(own, "what came to a domain");
     moving_keep_base(m, d->motion);
     follow(m, d);
     if (is_well(own) && !reserve(m, d, &r, own))
-        error_set(own, DUET_STATUS_NO_MEMORY, "a domain of %u bodies: no memory", r.bodies.n);
+        no_memory(own, "a domain of %u bodies", r.bodies.n);
     else if (is_well(own) && grow(d, r.bodies.n, own))
         replace(m, d, &r, own);
     free_replacement(&r);

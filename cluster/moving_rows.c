@@ -20,8 +20,7 @@ static bool begin_reading(const moving *m, size_t n, reading *r, duet_error *own
     r->states = malloc(n * (m->traveller_bytes - sizeof(moving_traveller)) + 1);
     r->far_boxes = calloc(6 * n + 1, sizeof *r->far_boxes);
     r->row = calloc(1, m->traveller_bytes);
-    return (r->states && r->far_boxes && r->row) ||
-           error_set(own, DUET_STATUS_NO_MEMORY, "the states of %zu bodies: no memory", n);
+    return (r->states && r->far_boxes && r->row) || no_memory(own, "the states of %zu bodies", n);
 }
 
 static bool read_rows(const moving *m, moving_domain *d, const row_list *places, reading *r,
@@ -54,7 +53,7 @@ void moving_read_bodies(moving *m, moving_domain *d, const row_list *places, ite
     const size_t state = m->traveller_bytes - sizeof(moving_traveller);
     reading r = {0};
     if (is_well(own) && places->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "places of bodies: no memory");
+        no_memory(own, "places of bodies");
     bool ok = is_well(own) && read_rows(m, d, places, &r, own);
     for (uint64_t i = 0; ok && i < places->n; ++i) {
         fill_row(m, d, places->rows[i], r.states + i * state, r.far_boxes + 6 * i, r.row);
@@ -151,13 +150,13 @@ bool moving_deal(moving *m, item_list *rows, size_t bytes, moving_list_of *list,
         .n = rows->n, .row_bytes = bytes, .rows = rows->items, .rank_of = rank_of, .context = &d};
     parcels in = {0};
     if (is_well(own) && rows->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "rows that travel: no memory");
+        no_memory(own, "rows that travel");
     bool ok = parcels_deal(m->ranks, is_well(own), &out, &in, own);
     if (ok)
         deal_out(m, &in, bytes, list);
     for (uint32_t k = 0; ok && k < m->parts; ++k)
         if (list(&m->domains[k])->failed)
-            error_set(own, DUET_STATUS_NO_MEMORY, "rows of a domain: no memory");
+            no_memory(own, "rows of a domain");
     parcels_end(&in);
     return ok;
 }

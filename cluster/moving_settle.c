@@ -112,7 +112,7 @@ static void find_leaving(moving *m, moving_domain *d, item_list *out, duet_error
         add_ghosts(m, d);
     }
     if (rows.failed || d->gone.failed || d->came.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "bodies that leave: no memory");
+        no_memory(own, "bodies that leave");
     free(places.rows);
     free(rows.items);
 }
@@ -198,7 +198,7 @@ static void add_contacts(moving *m, const moving_domain *d, const domain_contact
 {
     uint8_t *told = calloc((size_t)d->motion->graph.n_contacts + 1, 1);
     if (!told)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u contacts: no memory", all->n);
+        no_memory(own, "%u contacts", all->n);
     else if (!all->rows && domain_note_touching(d->motion, own))
         domain_read_told(d->motion, told, own);
     for (uint32_t i = 0; is_well(own) && i < all->n; ++i)
@@ -270,7 +270,7 @@ bool moving_settle(moving *m, duet_error *own)
 {
     item_list bodies = {0}, contacts = {0}, *parted = calloc(m->parts, sizeof *parted);
     if (!parted)
-        error_set(own, DUET_STATUS_NO_MEMORY, "%u domains: no memory", m->parts);
+        no_memory(own, "%u domains", m->parts);
     const moving_phase before = m->phases.now;
     moving_enter(m, PHASE_LEAVE);
     ++m->phases.n_moves;

@@ -37,7 +37,7 @@ static void list_sent(const moving *m, moving_domain *d, const item_list *visits
     domain_contacts c = {0};
     moving_contact *row = malloc(m->contact_bytes);
     if (!row)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+        no_memory(own, "contacts of ghosts");
     bool ok = row && domain_list_sent(d->motion, &c, own) &&
               domain_reserve_rows(&c, d->motion, own) && domain_read_rows(d->motion, &c, own);
     for (uint32_t i = 0; ok && i < c.n; ++i) {
@@ -53,7 +53,7 @@ static void list_all(moving *m, item_list *out, duet_error *own)
     item_list visits = {0};
     list_append(&visits, &m->halo.sent.items, sizeof(halo_item));
     if (visits.failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+        no_memory(own, "contacts of ghosts");
     else if (visits.n > 0)
         qsort(visits.items, visits.n, sizeof(halo_item), compare_visits);
     for (uint32_t k = 0; is_well(own) && k < m->parts; ++k)
@@ -77,7 +77,7 @@ static void add_shared(const moving *m, moving_domain *d, duet_error *own)
 {
     domain_contacts all = {.n = (uint32_t)d->shared.n};
     if (!moving_order_contacts(m, &d->shared))
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts of ghosts: no memory");
+        no_memory(own, "contacts of ghosts");
     else if (domain_contacts_reserve(&all, d->motion, true, own)) {
         all.n = 0;
         for (uint64_t i = 0; i < d->shared.n; ++i)

@@ -27,7 +27,7 @@ static void solve_in_order(moving *m, domain_pass pass, duet_error *own)
 {
     uint64_t *taken = calloc(m->parts, sizeof *taken);
     if (!taken)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts in order: no memory");
+        no_memory(own, "contacts in order");
     for (uint64_t i = 0; i < m->n_in_order; ++i) {
         for (uint32_t k = 0; is_well(own) && k < m->parts; ++k) {
             const row_list *has = &m->domains[k].in_order;

@@ -181,7 +181,7 @@ bool object_rows_begin(object_rows *rows, const object_form *form, uint64_t n, d
     if (rows->ids && rows->objects)
         return true;
     object_rows_end(rows);
-    return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
+    return no_memory(err, "%" PRIu64 " objects", n);
 }
 
 void object_rows_end(object_rows *rows)
@@ -225,7 +225,7 @@ bool object_rows_round(object_rows *rows, object_form *form, duet_error *err)
     size_t bytes = origin_row_bytes(DUET_SHAPE_ROUNDED_BOXES, 0);
     unsigned char *objects = realloc(rows->objects, (rows->capacity + 1) * bytes);
     if (!objects)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", rows->n);
+        return no_memory(err, "%u objects", rows->n);
     rows->objects = objects;
     for (uint32_t i = rows->n; i-- > 0;) {
         duet_rounded_box box = rounded_box_of(form, object_row(rows, form, i));
@@ -285,7 +285,7 @@ bool object_rows_copy(object_rows *rows, const object_form *form, const uint64_t
                       const void *objects, uint32_t n, duet_error *err)
 {
     id_row *sorted = sort_ids(ids, n);
-    bool ok = sorted || error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
+    bool ok = sorted || no_memory(err, "%u objects", n);
     ok = ok && object_rows_begin(rows, form, n, err);
     for (uint32_t i = 0; ok && i < n; ++i) {
         if (i > 0 && sorted[i].id == sorted[i - 1].id)

@@ -59,7 +59,7 @@ static bool reserve_pairs(own_pairs *own, uint64_t n, duet_error *err)
     uint64_t most = n + n / 16 + 1;
     duet_pair64 *pairs = realloc(own->pairs, most * sizeof *pairs);
     if (!pairs)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory", n);
+        return no_memory(err, "%" PRIu64 " pairs", n);
     own->pairs = pairs;
     own->capacity = most;
     return true;

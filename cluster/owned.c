@@ -16,8 +16,7 @@ bool owned_begin(owned *o, uint32_t n_domains, uint32_t most_domains, parallel *
     *o = (owned){.n_domains = n_domains, .most_domains = most_domains, .threads = threads};
     o->domains = calloc(n_domains, sizeof *o->domains);
     o->boxes = calloc(most_domains, sizeof *o->boxes);
-    return ((o->domains && o->boxes) ||
-            error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", n_domains)) &&
+    return ((o->domains && o->boxes) || no_memory(err, "%" PRIu32 " parts", n_domains)) &&
            bisection_begin(&o->planes, n_domains, err);
 }
 
@@ -78,7 +77,7 @@ static bool reserve_ids(owned *o, uint64_t n, duet_error *err)
         o->holder || !ids ? NULL : realloc(o->rows.objects, (size_t)(capacity + 1) * o->form.bytes);
     o->rows.objects = objects ? objects : o->rows.objects;
     if (!ids || (!o->holder && !objects))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " objects: no memory", n);
+        return no_memory(err, "%" PRIu64 " objects", n);
     o->rows.capacity = capacity;
     return true;
 }
@@ -178,8 +177,7 @@ bool owned_sort_runs(owned *o, duet_error *err)
     uint64_t capacity = l->n + 1, before = 0;
     row_run *sorted = l->failed ? NULL : malloc(capacity * sizeof *sorted);
     if (!sorted)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " runs of objects: no memory",
-                         l->n);
+        return no_memory(err, "%" PRIu64 " runs of objects", l->n);
     for (uint32_t d = 0; d < o->n_domains; ++d)
         o->domains[d].n = o->domains[d].n_runs = 0;
     for (uint64_t i = 0; i < l->n; ++i)
@@ -211,7 +209,7 @@ static bool make_planes(owned *o, duet_error *err)
     uint64_t most = (uint64_t)SAMPLE_A_DOMAIN * o->n_domains;
     bisection_point *sample = malloc(most * sizeof *sample);
     if (!sample)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", o->n_domains);
+        return no_memory(err, "%" PRIu32 " parts", o->n_domains);
     uint32_t n = partition_sample(sample, most, &o->form, &o->rows);
     bisection_cut(&o->planes, NULL, sample, n);
     free(sample);
@@ -318,8 +316,7 @@ static bool order_rows(owned *o, uint32_t first, uint32_t n, worker *w, duet_err
     r.copy.ids = malloc(n * sizeof *r.copy.ids);
     r.order = malloc(n * sizeof *r.order);
     r.scratch = malloc((size_t)n * WORKER_ORDER_SCRATCH);
-    bool ok = (r.copy.ids && r.order && r.scratch) ||
-              error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " objects: no memory", n);
+    bool ok = (r.copy.ids && r.order && r.scratch) || no_memory(err, "%" PRIu32 " objects", n);
     r.copy.objects = ok ? w->map(w, n, err) : NULL;
     ok = ok && r.copy.objects;
     if (ok) {
@@ -354,8 +351,7 @@ static bool move_in(owned *o, worker *w, duet_error *err)
 static bool place_rows(owned *o, worker *const workers[2], duet_error *err)
 {
     span *spans = malloc(8 * (size_t)o->n_domains * sizeof *spans);
-    bool ok = spans ||
-              error_set(err, DUET_STATUS_NO_MEMORY, "%" PRIu32 " parts: no memory", o->n_domains);
+    bool ok = spans || no_memory(err, "%" PRIu32 " parts", o->n_domains);
     uint32_t n = ok ? sort_rows(o, spans) : 0, most = 0;
     for (uint32_t i = 0; ok && i < n; ++i) {
         uint32_t d = spans[i].first, own = spans[i].end_row - spans[i].row;

@@ -18,8 +18,7 @@ bool parcels_begin(parcels *p, const ranks *r, uint32_t row_bytes, duet_error *e
         memset(p->counts, 0, (size_t)r->n * sizeof *p->counts);
     p->n = 0;
     p->row_bytes = row_bytes;
-    return p->counts ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "counts for %d ranks: no memory", r->n);
+    return p->counts || no_memory(err, "counts for %d ranks", r->n);
 }
 
 void parcels_end(parcels *p)
@@ -49,8 +48,7 @@ bool parcels_reserve(parcels *p, const ranks *r, uint64_t *places, duet_error *e
         p->bytes = p->rows ? bytes + bytes / 8 : 0;
     }
     p->n = p->rows ? n : 0;
-    return p->rows || error_set(err, DUET_STATUS_NO_MEMORY,
-                                "%" PRIu64 " rows of %u bytes: no memory", n, p->row_bytes);
+    return p->rows || no_memory(err, "%" PRIu64 " rows of %u bytes", n, p->row_bytes);
 }
 
 // Bytes of the objects that a rank's rows stand for and that are not there.
@@ -136,7 +134,7 @@ bool parcels_exchange(ranks *r, bool ok, const parcels *out, parcels *in, duet_e
 {
     MPI_Request *requests = malloc(4 * (size_t)r->n * sizeof(MPI_Request));
     if (ok && !requests)
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "messages to %d ranks: no memory", r->n);
+        ok = no_memory(err, "messages to %d ranks", r->n);
     ok = ok && parcels_begin(in, r, out->row_bytes, err);
     ok = exchange_counts(r, ok, out, in, err) &&
          ranks_agree(r, parcels_reserve(in, r, NULL, err), err);
@@ -172,7 +170,7 @@ static void count(parcels *out, const parcels_def *def)
 static bool fill(parcels *out, const ranks *r, const parcels_def *def, duet_error *err)
 {
     uint64_t *places = calloc((size_t)r->n, sizeof *places);
-    bool ok = places || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    bool ok = places || no_memory(err, "%d ranks", r->n);
     if (ok)
         count(out, def);
     ok = ok && parcels_reserve(out, r, places, err);

@@ -24,8 +24,7 @@ static bool share_weights(partition *p, ranks *r, double weight, duet_error *err
 {
     int unknown = 0;
     p->weights = malloc((size_t)r->n * sizeof *p->weights);
-    bool ok =
-        p->weights || error_set(err, DUET_STATUS_NO_MEMORY, "weights of %d ranks: no memory", r->n);
+    bool ok = p->weights || no_memory(err, "weights of %d ranks", r->n);
     if (ok && !(isfinite(weight) && weight >= 0))
         ok =
             bad_argument(err, "weight is %g; expected a number above 0, or 0 on all ranks", weight);

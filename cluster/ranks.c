@@ -98,7 +98,7 @@ bool ranks_begin(ranks *r, const MPI_Comm *comm, const simulation *s, duet_error
 bool ranks_reserve(ranks *r, duet_error *err)
 {
     r->counts = calloc(2 * (size_t)r->n, sizeof *r->counts);
-    return r->counts || error_set(err, DUET_STATUS_NO_MEMORY, "%d ranks: no memory", r->n);
+    return r->counts || no_memory(err, "%d ranks", r->n);
 }
 
 void ranks_end(ranks *r)
@@ -291,7 +291,7 @@ char *ranks_broadcast_text(ranks *r, const char *of_rank_0, duet_error *err)
     uint64_t bytes = of_rank_0 ? strlen(of_rank_0) + 1 : 1;
     ranks_broadcast(r, &bytes, sizeof bytes);
     char *text = calloc(bytes, 1);
-    if (!ranks_agree(r, text || error_set(err, DUET_STATUS_NO_MEMORY, "a text: no memory"), err)) {
+    if (!ranks_agree(r, text || no_memory(err, "a text"), err)) {
         free(text);
         return NULL;
     }

@@ -17,8 +17,7 @@ static void *reserve(void *memory, uint64_t *capacity, uint64_t n, size_t bytes,
     *capacity = n + n / 16;
     memory = malloc((*capacity + 1) * bytes);
     if (!memory)
-        error_set(err, DUET_STATUS_NO_MEMORY, "%llu objects and ghosts: no memory",
-                  (unsigned long long)n);
+        no_memory(err, "%llu objects and ghosts", (unsigned long long)n);
     return memory;
 }
 

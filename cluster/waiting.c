@@ -112,7 +112,7 @@ static void choose_told(const moving *m, const waiting_list *known, told_list *t
     if (is_well(own) && !known->failed && !ends.failed)
         list_told(m, known, &ends, told);
     if (known->failed || ends.failed || told->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
+        no_memory(own, "contacts that wait for colours");
     free(ends.ends);
 }
 
@@ -156,7 +156,7 @@ static bool tell(moving *m, waiting_list *known, const told_list *told, uint64_t
     m->counts.told += n;
     list_add(&known->list, in.rows, in.n, sizeof(waiting_contact));
     if (known->failed)
-        error_set(own, DUET_STATUS_NO_MEMORY, "contacts that wait for colours: no memory");
+        no_memory(own, "contacts that wait for colours");
     parcels_end(&in);
     return true;
 }

@@ -95,7 +95,7 @@ static bool use_grid(worker *w, uint32_t domain, duet_error *err)
         uint32_t n = 2 * domain + 1;
         world_fit *fits = realloc(p->fits, n * sizeof *fits);
         if (!fits)
-            return error_set(err, DUET_STATUS_NO_MEMORY, "grids of %u parts: no memory", n);
+            return no_memory(err, "grids of %u parts", n);
         memset(fits + p->n_fits, 0, (n - p->n_fits) * sizeof *fits);
         p->fits = fits;
         p->n_fits = n;
@@ -172,10 +172,8 @@ static void name_pair(worker_pair *p, const duet_device_pair *pair)
 worker *worker_open_pair(const duet_world_def *def, duet_error *err)
 {
     worker_pair *p = calloc(1, sizeof *p);
-    if (!p) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a rank's world: no memory");
-        return NULL;
-    }
+    if (!p)
+        return null_no_memory(err, "a rank's world");
     duet_world_def own = *def;
     own.has_world = false;
     own.keep_bad = true; // so that it is the cluster that names a bad object

@@ -32,10 +32,8 @@ static void *map(worker *w, uint32_t n, duet_error *err)
     if (!p->objects || n > p->capacity) {
         uint64_t most = (uint64_t)n + n / 16;
         void *objects = realloc(p->objects, (most + 1) * p->form.bytes);
-        if (!objects) {
-            error_set(err, DUET_STATUS_NO_MEMORY, "%u objects: no memory", n);
-            return NULL;
-        }
+        if (!objects)
+            return null_no_memory(err, "%u objects", n);
         p->objects = objects;
         p->capacity = most;
     }
@@ -166,10 +164,8 @@ worker *worker_open_plain(const duet_world_def *def, const simulation *s, duet_e
     if (!world_check_def(def, err))
         return NULL;
     plain_worker *p = calloc(1, sizeof *p);
-    if (!p) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "a rank's objects: no memory");
-        return NULL;
-    }
+    if (!p)
+        return null_no_memory(err, "a rank's objects");
     bool finds = !s || s->object_seconds == 0;
     p->base = (worker){.name = finds ? "plain" : "simulated",
                        .map = map,

@@ -162,8 +162,7 @@ static bool find_entries(card *c, const gen_setting *config, gen_variant *v, due
     v->n_entries = c->n_signatures;
     v->entries = calloc(c->n_signatures + 1, sizeof *v->entries);
     question q = {.card = c, .config = config, .entries = v->entries};
-    return v->entries ? ask(resolve, &q, err)
-                      : error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", c->kernel);
+    return v->entries ? ask(resolve, &q, err) : no_memory(err, "%s", c->kernel);
 }
 
 static bool is_said(const gen_param *param, const gen_setting *setting)

@@ -115,7 +115,7 @@ gen *gen_open(const char *kernel_dir, duet_error *err)
     if (ok && kernel_dir)
         ok = (g->dir = strdup(kernel_dir));
     if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "the generator: no memory");
+        no_memory(err, "the generator");
     ok = ok && (kernel_dir ? list_dir(g, err) : list_carried(g, err)) && order_kernels(g, err);
     if (ok)
         return g;
@@ -164,8 +164,7 @@ bool gen_add(gen *g, const char *name, const char *card_text, const char *body, 
     *k->folder = '\0';
     k->given_card = strdup(card_text);
     k->given_text = strdup(body);
-    return (k->given_card && k->given_text) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", name);
+    return (k->given_card && k->given_text) || no_memory(err, "%s", name);
 }
 
 const char *gen_kernel(const gen *g, uint32_t i)
@@ -237,8 +236,7 @@ static bool count_blocks(kernel *k, const gen_limits *limits, duet_error *err)
     gen_setting config[CARD_MAX_PARAMS];
     uint64_t n_blocks = (card_size(&k->card) + BLOCK - 1) / BLOCK;
     uint64_t *before = calloc(n_blocks + 1, sizeof *before);
-    bool ok = before || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to count configs",
-                                  k->card.kernel);
+    bool ok = before || no_memory(err, "the configs of %s", k->card.kernel);
     for (uint64_t i = 0, n = 0; ok && i < n_blocks; ++i) {
         ok = walk_block(&k->card, limits, i, BLOCK, config, &n, err);
         before[i + 1] = before[i] + n;

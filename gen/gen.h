@@ -58,13 +58,21 @@ typedef struct gen_offer {
 
 enum { GEN_NAME = 48, GEN_MAX_ARGS = 48 };
 
+// What a kernel may do with a buffer, each the less.
+typedef enum gen_memory {
+    GEN_WRITTEN,  // __global
+    GEN_READ,     // __global const
+    GEN_CONSTANT, // __constant const
+} gen_memory;
+
 // An argument of a kernel.
 typedef struct gen_arg {
     char name[GEN_NAME];
-    char type[24];  // type as the card writes it, with " *" behind it for a buffer: "real4 *"
-    uint32_t bytes; // bytes of a value under the config; 0: a buffer
-    bool is_const, is_constant, is_volatile, is_double; // is_double: real is double
-    bool is_only; // left out, it is no member of ARG_FIELDS either
+    char type[24];     // type as the card writes it, with " *" behind it for a buffer: "real4 *"
+    uint32_t bytes;    // bytes of a value under the config; 0: a buffer
+    gen_memory memory; // of a buffer
+    bool is_volatile, is_double; // is_double: real is double
+    bool is_only;                // left out, it is no member of ARG_FIELDS either
 } gen_arg;
 
 // An entry point of a kernel: its arguments in the order of its parameters, and behind them those

@@ -216,7 +216,7 @@ bool gen_make(gen *g, const char *name, const gen_setting *settings, uint32_t n_
     gen_offer *offers = calloc(n_settings + 1, sizeof *offers);
     *variant = (gen_variant){0};
     if (!offers)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", name);
+        return no_memory(err, "%s", name);
     for (uint32_t i = 0; i < n_settings; ++i)
         offers[i] = (gen_offer){NULL, settings[i].name, settings[i].value, GEN_REQUIRED, NULL};
     bool ok = gen_make_offered(g, name, offers, n_settings, limits, variant, err);
@@ -271,7 +271,7 @@ bool gen_make_offered(gen *g, const char *name, const gen_offer *offers, uint32_
     const made_text *made = ok ? make_text(k, config, &out, err) : NULL;
     variant->text = made ? strdup(made->whole.chars) : NULL;
     if (made && !variant->text)
-        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", name);
+        no_memory(err, "%s", name);
     if (!variant->text) {
         text_free(&out);
         gen_variant_free(variant);

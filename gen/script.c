@@ -115,7 +115,7 @@ script *script_open(const script_limits *limits, duet_error *err)
 {
     script *s = calloc(1, sizeof *s);
     if (!s)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
+        return null_no_memory(err, "a Lua state");
     s->limits = limits ? *limits : script_default_limits();
     if (!s->limits.failure)
         s->limits.failure = DUET_STATUS_BAD_INPUT;
@@ -123,8 +123,7 @@ script *script_open(const script_limits *limits, duet_error *err)
     s->lua = text_ok(&s->name, err) ? lua_newstate(script_allocate, s) : NULL;
     if (s->lua)
         return s;
-    error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state in %zu bytes: no memory",
-              s->limits.memory_bytes);
+    no_memory(err, "a Lua state in %zu bytes", s->limits.memory_bytes);
     script_close(s);
     return NULL;
 }

@@ -92,8 +92,8 @@ static bool take_last_word(char *line, const char *word)
 static bool read_declaration(char *line, signature_arg *a)
 {
     a->arg.is_volatile = take_word(&line, "volatile");
-    a->arg.is_constant = take_word(&line, "constant");
-    a->arg.is_const = take_word(&line, "const") || a->arg.is_constant;
+    bool is_constant = take_word(&line, "constant"), is_const = take_word(&line, "const");
+    a->arg.memory = is_constant ? GEN_CONSTANT : is_const ? GEN_READ : GEN_WRITTEN;
     char *name = strchr(line, ' ');
     if (!name)
         return false;
@@ -101,7 +101,7 @@ static bool read_declaration(char *line, signature_arg *a)
     bool is_buffer = *name == '*';
     name += is_buffer;
     if (!is_name(line) || !is_name(name) || strlen(line) + 3 > sizeof a->arg.type ||
-        (!is_buffer && (a->arg.is_const || a->arg.is_volatile || value_bytes(line, false) == 0)))
+        (!is_buffer && (a->arg.memory || a->arg.is_volatile || value_bytes(line, false) == 0)))
         return false;
     snprintf(a->arg.name, sizeof a->arg.name, "%s", name);
     snprintf(a->arg.type, sizeof a->arg.type, "%.20s%s", line, is_buffer ? " *" : "");
@@ -249,11 +249,11 @@ void signature_resolve(lua_State *L, const signature *s, const gen_setting *conf
 static void add_argument(const gen_arg *a, bool is_field, text *out)
 {
     bool is_buffer = a->bytes == 0, is_real = strncmp(a->type, "real", 4) == 0;
-    const char *memory = a->is_constant ? "__constant " : "__global ";
-    const char *alone = a->is_constant || is_field ? "" : "restrict ";
+    static const char *const memories[] = {"__global ", "__global const ", "__constant const "};
+    const char *alone = a->memory == GEN_CONSTANT || is_field ? "" : "restrict ";
     const char *real = a->is_double ? "double" : "float";
-    text_add(out, " \\\n    %s%s%s", a->is_volatile ? "volatile " : "", is_buffer ? memory : "",
-             a->is_const ? "const " : "");
+    text_add(out, " \\\n    %s%s", a->is_volatile ? "volatile " : "",
+             is_buffer ? memories[a->memory] : "");
     text_add(out, "%s%s%s%s", is_real ? real : "", a->type + (is_real ? 4 : 0),
              is_buffer ? alone : " ", a->name);
 }
@@ -299,14 +299,15 @@ static bool is_there(const gen_entry *entries, uint32_t n, uint32_t last, const 
     return false;
 }
 
-// The argument as a field of all entries: const and volatile if it is so in any, so that each
-// entry's argument fits.
+// The argument as a field of all entries: constant, const and volatile if it is so in any, so that
+// each entry's argument fits.
 static gen_arg merged(const gen_entry *entries, uint32_t n, gen_arg arg)
 {
     for (uint32_t e = 0; e < n; ++e)
         for (uint32_t i = 0; i < entries[e].n_fields; ++i)
             if (strcmp(entries[e].args[i].name, arg.name) == 0) {
-                arg.is_const = arg.is_const || entries[e].args[i].is_const;
+                if (arg.memory < entries[e].args[i].memory)
+                    arg.memory = entries[e].args[i].memory;
                 arg.is_volatile = arg.is_volatile || entries[e].args[i].is_volatile;
             }
     return arg;

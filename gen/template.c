@@ -115,7 +115,7 @@ template *template_open(const text *chars, const char *path, const char *line_na
 {
     template *t = calloc(1, sizeof *t);
     if (!t)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
+        return null_no_memory(err, "%s", path);
     script_limits limits = script_default_limits();
     limits.failure = DUET_STATUS_BUILD_FAILED;
     t->script = sandbox_open(&limits, err);

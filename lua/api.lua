@@ -383,7 +383,7 @@ api.others = {
     "duet_motion_copy_states", "duet_task_set_buffer",
   },
   ["a task file: scripts are Lua as it is"] = { "duet_task_file_create" },
-  ["set_poses of a world with compact_transforms"] = { "duet_compact_transform_set" },
+  ["set_poses of a world of compact transforms"] = { "duet_compact_transform_set" },
   ["tostring of a device pair"] = { "duet_device_pair_is_one" },
   ["require"] = {
     "luaopen_duet", "luaopen_duet_frame", "luaopen_duet_lab", "luaopen_duet_plot",
@@ -491,7 +491,7 @@ api.names = {
   { "duet.DevicePair:plan", {}, "duet.Plan", "What is done here where nothing was measured.", c = "duet_default_plan" },
   { "duet.DevicePair:world", { "scene?: duet.Scene|table", "def?: table" }, "duet.World",
     "A world by a def { plan, dims, shape, level, accuracy, rotated, cell, cell_fixed, lower, upper, " ..
-    "separate_sizes, compact_transforms, ordered, keep_bad, max_pairs, stage_times }; given a scene, with its objects and, where the def says nothing, its settings.",
+    "pose_form (poses, transforms, compact), ordered, keep_bad, max_pairs, stage_times }; given a scene, with its objects and, where the def says nothing, its settings.",
     fails = true, c = { "duet_world_create", "duet_scene_world_def" } },
   { "duet.DevicePair:tune", { "scene: duet.Scene|duet.TaskFile", "def?: table" }, "duet.Tuning",
     "Chooses variants, mode and share for the scene or task file and keeps them in a store. A def { store, keep, fresh, ordered, " ..
@@ -539,9 +539,9 @@ api.names = {
   { "duet.World:map_spheres", { "n: integer" }, "duet.Spheres", "The same for spheres.", fails = true,
     c = "duet_world_map_objects" },
   { "duet.World:map_transforms", { "n: integer" }, "duet.Transforms",
-    "The same for a world with separate_sizes: what a step sends there.", fails = true, c = "duet_world_map_objects" },
+    "The same for a world of transforms (pose_form): what a step sends there.", fails = true, c = "duet_world_map_objects" },
   { "duet.World:map_compact_transforms", { "n: integer" }, "duet.CompactTransforms",
-    "The same for a world with compact_transforms.", fails = true, c = "duet_world_map_objects" },
+    "The same for a world of compact transforms.", fails = true, c = "duet_world_map_objects" },
   { "duet.World:map_sizes", { "n: integer" }, "duet.Sizes",
     "Their sizes, which are sent again only once they were mapped again.", fails = true, c = "duet_world_map_objects" },
   { "duet.World:order", {}, "duet.Places",

@@ -224,7 +224,7 @@ static bool open_state(session *s, duet_error *err)
     if (s->def.trusted) {
         s->lua = luaL_newstate();
         if (!s->lua)
-            return error_set(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
+            return no_memory(err, "a Lua state");
         lua_sethook(s->lua, on_count, LUA_MASKCOUNT, HOOK_INSTRUCTIONS);
         return true;
     }
@@ -241,7 +241,7 @@ session *session_open(const session_def *def, duet_error *err)
 {
     session *s = calloc(1, sizeof *s);
     if (!s)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "a Lua state: no memory");
+        return null_no_memory(err, "a Lua state");
     s->def = *def;
     bool ok = open_state(s, err);
     if (ok) {

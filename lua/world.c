@@ -4,13 +4,20 @@
 
 static const lua_class world_class;
 
+static const char *pose_form_name(int value)
+{
+    static const char *const names[] = {"poses", "transforms", "compact"};
+    return value <= DUET_POSE_COMPACT ? names[value] : NULL;
+}
+
 static const field def_fields[] = {
     FIELD(field_plan, duet_world_def, plan),
     FIELDS(duet_world_def, dims),
     FIELD_ENUM(duet_world_def, shape, shape_name),
     FIELD_ENUM(duet_world_def, level, level_name),
-    FIELDS(duet_world_def, rotated, cell, cell_fixed, lower, upper, separate_sizes,
-           compact_transforms, ordered, keep_bad, max_pairs, stage_times),
+    FIELDS(duet_world_def, rotated, cell, cell_fixed, lower, upper),
+    FIELD_ENUM(duet_world_def, pose_form, pose_form_name),
+    FIELDS(duet_world_def, ordered, keep_bad, max_pairs, stage_times),
     FIELD(field_accuracy, duet_world_def, accuracy),
     {0},
 };

@@ -45,7 +45,7 @@ duet_profile_list *duet_profile_list_create(const char *path, bool replaced_too,
         return NULL;
     duet_profile_list *list = calloc(1, sizeof *list);
     bool ok = list ? fill(list, s, replaced_too, err) && store_check_read(s, err)
-                   : error_set(err, DUET_STATUS_NO_MEMORY, "the profiles: no memory");
+                   : no_memory(err, "the profiles");
     store_close(s);
     if (ok)
         return list;

@@ -111,7 +111,7 @@ bool sql_fail(const store *s, int code, duet_error *err)
     case SQLITE_TOOBIG:
         return fail_long(s, err);
     case SQLITE_NOMEM:
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to read it", s->path);
+        return no_memory(err, "%s", s->path);
     default:
         return error_set(err, DUET_STATUS_STORE_FAILED, "%s: %s", s->path, sqlite3_errmsg(s->db));
     }

@@ -65,14 +65,14 @@ static store *make(const char *path, const char *file, duet_error *err)
     if (s && s->path && s->file)
         return s;
     store_close(s);
-    return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", path);
+    return null_no_memory(err, "%s", path);
 }
 
 static bool connect(store *s, const char *name, int flags, int busy_ms, duet_error *err)
 {
     int code = sqlite3_open_v2(name, &s->db, flags | SQLITE_OPEN_NOMUTEX, NULL);
     if (!s->db)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to open it", s->path);
+        return no_memory(err, "%s", s->path);
     sqlite3_extended_result_codes(s->db, 1);
     sqlite3_busy_timeout(s->db, busy_ms);
     sqlite3_limit(s->db, SQLITE_LIMIT_LENGTH, TEXT_LINE_MOST); // the length of a line of an import

@@ -69,22 +69,10 @@ bool profile_surfaces_get(store *s, profile_surface **surfaces, uint32_t *n, due
         if (more[i].joint) // brute without kernels to vary is of shares alone
             all[(*n)++] = more[i];
     free(more);
-    return ok && (all || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for surfaces"));
+    return ok && (all || no_memory(err, "surfaces"));
 }
 
 static const sql_column launch_columns[] = {
-    SQL_COLUMN("t.share", profile_launch, share),
-    SQL_COLUMN("iif(t.share IN (0, 65536), 'own', t.mode) AS mode", profile_launch, mode),
-    SQL_COLUMN("t.variant_a", profile_launch, variant_a),
-    SQL_COLUMN("t.variant_b", profile_launch, variant_b),
-    SQL_COLUMN("x.flags & 1 AS warm_up", profile_launch, warm_up),
-    SQL_COLUMN("x.total_ns", profile_launch, total_ns),
-    SQL_COLUMN("x.a_ns", profile_launch, a_ns),
-    SQL_COLUMN("x.b_ns", profile_launch, b_ns),
-    {0},
-};
-
-static const sql_column joint_columns[] = {
     SQL_COLUMN("t.share", profile_launch, share),
     SQL_COLUMN("iif(t.share IN (0, 65536), 'own', t.mode) AS mode", profile_launch, mode),
     SQL_COLUMN("iif(t.share = 0, '', t.variant_a)", profile_launch, variant_a),
@@ -106,8 +94,7 @@ static const sql_column joint_columns[] = {
 bool profile_surface_launches(store *s, const profile_surface *surface, profile_launch **launches,
                               uint32_t *n, duet_error *err)
 {
-    const sql_column *columns = surface->joint ? joint_columns : launch_columns;
-    sql q = sql_select(s, columns,
+    sql q = sql_select(s, launch_columns,
                        surface->joint ? LAUNCHES(" AND s.strategy = 'brute'")
                                       : LAUNCHES(" AND t.variant_a = ? AND t.variant_b = ?"),
                        err);
@@ -120,6 +107,6 @@ bool profile_surface_launches(store *s, const profile_surface *surface, profile_
         sql_text(&q, surface->variant_a);
         sql_text(&q, surface->variant_b);
     }
-    *launches = sql_rows(&q, columns, sizeof **launches, n);
+    *launches = sql_rows(&q, launch_columns, sizeof **launches, n);
     return sql_close(&q);
 }

@@ -28,7 +28,7 @@ typedef struct profile_surface {
 typedef struct profile_launch {
     uint32_t share;
     char mode[16];                   // "own" for one device alone, which has no mode
-    char variant_a[PROFILE_VARIANT]; // that a joint surface has: empty for a device without work
+    char variant_a[PROFILE_VARIANT]; // empty for a device without work
     char variant_b[PROFILE_VARIANT];
     bool warm_up;
     int64_t total_ns;

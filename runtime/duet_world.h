@@ -49,6 +49,13 @@ DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 // Objects on a device pair, stepped again and again.
 typedef struct duet_world duet_world;
 
+// What a step gets of each pose. The sizes of transforms are set by themselves, and seldom.
+typedef enum duet_pose_form {
+    DUET_POSE_WHOLE,     // duet_pose, 40 bytes
+    DUET_POSE_TRANSFORM, // duet_transform, 28 bytes
+    DUET_POSE_COMPACT    // duet_compact_transform, 20 bytes
+} duet_pose_form;
+
 typedef struct duet_world_def {
     duet_device_pair *pair; // held until the world is destroyed
     duet_plan plan;
@@ -65,12 +72,11 @@ typedef struct duet_world_def {
     bool has_world;  // lower and upper are given; objects outside are still found
     float lower[3];
     float upper[3];
-    float origin_edge;       // above 0: large poses, in origin cells of that edge, a power of two
-    bool separate_sizes;     // objects are transforms; their sizes are set by themselves
-    bool compact_transforms; // transforms are compact; means separate_sizes too
-    bool ordered;            // promises that objects are kept in about duet_world_order's order
-    bool keep_bad;           // leaves bad objects out and counts them, instead of BAD_OBJECT
-    uint64_t max_pairs;      // fails with TOO_MANY above it; 0: as memory allows
+    float origin_edge; // above 0: large poses, in origin cells of that edge, a power of two
+    duet_pose_form pose_form;
+    bool ordered;       // promises that objects are kept in about duet_world_order's order
+    bool keep_bad;      // leaves bad objects out and counts them, instead of BAD_OBJECT
+    uint64_t max_pairs; // fails with TOO_MANY above it; 0: as memory allows
     // Times every step by stages. Without, a device with memory of its own times one step in
     // 16, because its driver takes up to half as long as a small step for that.
     bool stage_times;
@@ -86,8 +92,8 @@ DUET_API duet_world *duet_world_create(const duet_world_def *def, duet_error *er
 DUET_API void duet_world_destroy(duet_world *world);
 
 // Copies n objects of the world's kind: BOUNDS for the shape bounds, otherwise POSES, or
-// LARGE_POSES with an origin_edge. A world with separate_sizes takes POSES too, and splits them;
-// if its transforms are compact, it rounds them (duet_compact_transform_set).
+// LARGE_POSES with an origin_edge. A world of transforms takes POSES too, and splits them; compact
+// ones are rounded (duet_compact_transform_set).
 DUET_API bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void *objects,
                                      uint32_t n, duet_error *err);
 DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, duet_error *err);
@@ -99,9 +105,9 @@ DUET_API bool duet_world_set_scene(duet_world *world, const duet_scene *scene, d
 // Offsets of LARGE_POSES must be multiples of 2^-24 of an edge, from 0 up to below it, as
 // duet_large_pose_set makes them: others are bad objects.
 //
-// A world with separate_sizes sends TRANSFORMS in each step, 28 bytes an object instead of 40, or
-// with compact_transforms COMPACT_TRANSFORMS, 20 bytes. It sends SIZES only after they
-// were mapped again. There must be as many sizes as transforms when the world is stepped.
+// A world whose pose_form is not WHOLE sends TRANSFORMS or COMPACT_TRANSFORMS in each step, and
+// SIZES only after they were mapped again. There must be as many sizes as transforms when the world
+// is stepped.
 DUET_API void *duet_world_map_objects(duet_world *world, duet_object_kind kind, uint32_t n,
                                       duet_error *err);
 
@@ -115,8 +121,8 @@ DUET_API duet_level duet_world_get_level(const duet_world *world); // certified 
 // Finds the order of the objects by cell: (*order)[i] is the id of the i-th object in the world's
 // grid, row after row of cells, and within a cell by id. *n is the number of the world's objects.
 // The caller frees *order with duet_free, and may move its objects into this order now and then:
-// objects that are near each other in the world are then near each other in memory. A world with
-// separate_sizes needs its sizes for it. It uses the host's idle processors, and 16 bytes of memory
+// objects that are near each other in the world are then near each other in memory. A world of
+// transforms needs its sizes for it. It uses the host's idle processors, and 16 bytes of memory
 // an object besides *order.
 DUET_API bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_error *err);
 

@@ -191,7 +191,7 @@ duet_online *duet_online_create(const duet_online_def *def, duet_error *err)
         return NULL;
     duet_online *o = calloc(1, sizeof *o);
     if (!o)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory to tune on line");
+        return null_no_memory(err, "a tuning on line");
     o->def = *def;
     if (!begin(o, err)) {
         free(o);

@@ -76,7 +76,7 @@ static bool read_spaces(replay *r, duet_error *err)
 {
     r->spaces = calloc(2, sizeof *r->spaces);
     if (!r->spaces)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "recorded kernels: no memory");
+        return no_memory(err, "recorded kernels");
     for (uint32_t i = 0; i < 2 * r->n_points; ++i)
         if (*plan_variant(&r->points[i / 2].plan, i % 2))
             recorded_space_add(&r->spaces[i % 2], plan_variant(&r->points[i / 2].plan, i % 2));
@@ -97,7 +97,7 @@ bool replay_open(replay *r, store *s, const profile_surface *surface, duet_error
         return false;
     r->points = calloc((size_t)n + 1, sizeof *r->points);
     if (!r->points)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u recorded launches: no memory", n);
+        return no_memory(err, "%u recorded launches", n);
     add_points(r, n);
     return !surface->joint || read_spaces(r, err);
 }

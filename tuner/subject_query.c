@@ -62,7 +62,7 @@ static bool open(subject *s, duet_error *err)
     const duet_scene_info *info = duet_scene_get_info(s->def->scene);
     query *q = s->state = calloc(1, sizeof *q);
     if (!q)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+        return no_memory(err, "a query");
     if (!query_name_read(s->def->query, &q->name, err))
         return false;
     q->n = s->def->items && !q->name.itself ? s->def->items : info->n;

@@ -184,9 +184,7 @@ static bool reserve(run_state *r, duet_error *err)
     uint64_t repeat = r->args->repeat;
     r->total_ms = calloc(repeat, sizeof *r->total_ms);
     r->ranks = calloc((size_t)r->n_ranks, sizeof *r->ranks);
-    return (r->total_ms && r->ranks) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "the times of %" PRIu64 " steps: no memory",
-                     repeat);
+    return (r->total_ms && r->ranks) || no_memory(err, "the times of %" PRIu64 " steps", repeat);
 }
 
 // All ranks know it, and a launcher waits for each of them.

@@ -21,7 +21,7 @@ static bool read_start(rank_picture *p, const moving_start *start, duet_error *e
         return false;
     p->look = calloc(1, sizeof *p->look);
     if (!p->look)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "a picture: no memory");
+        return no_memory(err, "a picture");
     p->scene = duet_scene_load(start->path, start->settings, start->n_settings, err);
     if (!p->scene)
         return false;

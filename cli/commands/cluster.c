@@ -175,7 +175,7 @@ static char **join(char *const *begin, char *const *end, duet_error *err)
     const int n = count(begin), more = count(end);
     char **argv = calloc((size_t)(n + more + 1), sizeof *argv);
     if (!argv)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
+        return null_no_memory(err, "the command line");
     memcpy(argv, begin, (size_t)n * sizeof *argv);
     memcpy(argv + n, end, (size_t)more * sizeof *argv);
     return argv;
@@ -279,7 +279,7 @@ int command_cluster(int argc, char **argv)
     launch l = {.args = CLUSTER_ARGUMENTS_DEFAULT};
     l.argv = calloc((size_t)argc + 1, sizeof *l.argv);
     if (!l.argv) {
-        error_set(&err, DUET_STATUS_NO_MEMORY, "the command line: no memory");
+        no_memory(&err, "the command line");
         return say_failed(&err);
     }
     memcpy(l.argv, argv, (size_t)argc * sizeof *argv);

@@ -107,8 +107,7 @@ static bool reserve(tested *t, bool separations, duet_error *err)
     t->answers = malloc(t->n + 1);
     t->separations = separations ? malloc((t->n + 1) * sizeof *t->separations) : NULL;
     return (t->answers && (t->separations || !separations)) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the answers of %llu pairs",
-                     t->path, (unsigned long long)t->n);
+           no_memory(err, "the answers of %llu pairs of %s", (unsigned long long)t->n, t->path);
 }
 
 // ---------------------------------------------------------------- writing

@@ -38,8 +38,9 @@ static bool make_world(still *s, duet_error *err)
     if (!inputs_change_level(&args->level, &def, err) ||
         !inputs_change_plan(&args->plan, s->pair, args->pair, &def.plan, err))
         return false;
-    def.separate_sizes = s->report.input == TIMED_INPUT_TRANSFORMS;
-    def.compact_transforms = s->report.input == TIMED_INPUT_COMPACT;
+    def.pose_form = s->report.input == TIMED_INPUT_TRANSFORMS ? DUET_POSE_TRANSFORM
+                    : s->report.input == TIMED_INPUT_COMPACT  ? DUET_POSE_COMPACT
+                                                              : DUET_POSE_WHOLE;
     def.ordered = args->ordered;
     s->report.world = duet_world_create(&def, err);
     if (!s->report.world)

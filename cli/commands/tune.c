@@ -389,7 +389,7 @@ static bool run(void *given, char **operands, duet_error *err)
         return replay(args, operands[0], err);
     tune_config *config = calloc(1, sizeof *config);
     if (!config)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a tuning");
+        return no_memory(err, "a tuning");
     tune_config_begin(config);
     tune_report report = tune_report_begin(args->json, args->store);
     bool ok =

@@ -37,7 +37,7 @@ canvas *canvas_open(const char *path, double width, double height, duet_error *e
                           "'%s': a picture's name ends with .svg or .png", path);
     canvas *c = calloc(1, sizeof *c);
     if (!c)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory for the picture", path);
+        return null_no_memory(err, "the picture %s", path);
     c->path = path;
     c->is_png = is_png;
     c->surface = is_png ? cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)width, (int)height)

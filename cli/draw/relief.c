@@ -106,8 +106,7 @@ static int from_far_to_near(const void *x, const void *y)
 static bool reserve(relief *r, size_t most, duet_error *err)
 {
     r->triangles = malloc(most * sizeof *r->triangles);
-    return r->triangles ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of a ground");
+    return r->triangles || no_memory(err, "a picture of a ground");
 }
 
 static void add_triangle(relief *r, const double *a, const double *b, const double *d,

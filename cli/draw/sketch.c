@@ -208,7 +208,7 @@ static bool take_sample(sketch *s, const duet_scene *scene, const duet_pair *pai
     free(all);
     free(places);
     free(collides);
-    return ok || error_set(err, DUET_STATUS_NO_MEMORY, "a picture of %u objects: no memory", n);
+    return ok || no_memory(err, "a picture of %u objects", n);
 }
 
 bool sketch_make(sketch *s, const duet_scene *scene, uint32_t most, duet_error *err)

@@ -44,7 +44,7 @@ static bool find_extent(const snapshot *s, const body_states *c, uint32_t axis, 
 {
     double *lowers = malloc(2 * ((size_t)c->n + 1) * sizeof *lowers);
     if (!lowers)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", c->n);
+        return no_memory(err, "a picture of %u objects", c->n);
     double *uppers = lowers + c->n;
     uint32_t n = 0;
     for (uint32_t i = 0; i < c->n; ++i) {
@@ -171,7 +171,7 @@ bool snapshot_begin(snapshot *s, const duet_motion_def *def, const duet_scene *s
     s->colours = calloc((size_t)s->n + 1, sizeof *s->colours);
     s->is_shot = calloc((size_t)s->n + 1, sizeof *s->is_shot);
     if (!s->colours || !s->is_shot)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a picture of %u objects", s->n);
+        return no_memory(err, "a picture of %u objects", s->n);
     body_states start = {0};
     bool ok = body_states_read(&start, motion, err);
     if (ok) {
@@ -321,9 +321,8 @@ static bool draw(const snapshot *s, const char *path, const body_states *bodies,
     canvas_polygon(c, page, 4, paper, paper);
     draw_floor(&v, c, s->def);
     relief hills;
-    bool ok =
-        relief_begin(&hills, &bodies->def, &v, err) &&
-        (blocks || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for a picture", path));
+    bool ok = relief_begin(&hills, &bodies->def, &v, err) &&
+              (blocks || no_memory(err, "the picture %s", path));
     if (ok)
         draw_blocks(s, &hills, c, blocks, bodies);
     write_caption(s, &v, c, bodies, time);

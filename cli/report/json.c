@@ -32,7 +32,7 @@ bool json_write(const cJSON *o, text *t, duet_error *err)
 {
     char *chars = cJSON_Print(o);
     if (!chars)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "the JSON object: no memory");
+        return no_memory(err, "the JSON object");
     text_add_json(t, chars);
     cJSON_free(chars);
     return text_ok(t, err);

@@ -63,8 +63,7 @@ static bool make_rows(grid *g, duet_error *err)
 {
     g->rows = calloc((size_t)g->bodies->n + 1, sizeof *g->rows);
     if (!g->rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a frame of %" PRIu32 " objects",
-                         g->bodies->n);
+        return no_memory(err, "a frame of %" PRIu32 " objects", g->bodies->n);
     for (uint32_t place = 0; place < g->bodies->n; ++place) {
         if (!body_states_has(g->bodies, place))
             continue;

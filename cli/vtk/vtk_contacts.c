@@ -50,8 +50,7 @@ static bool make_rows(touches *t, const duet_contact *contacts, uint64_t n, duet
         points += contacts[i].n;
     t->rows = calloc(points + 1, sizeof *t->rows);
     if (!t->rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY,
-                         "no memory for a frame of %" PRIu64 " contacts", n);
+        return no_memory(err, "a frame of %" PRIu64 " contacts", n);
     for (uint64_t i = 0; i < n; ++i)
         for (uint32_t point = 0; point < contacts[i].n; ++point)
             t->rows[t->n++] = row_of(t, &contacts[i], point);

@@ -1,6 +1,14 @@
 -- SPDX-License-Identifier: MIT
--- What the ground is to a kernel that asks which bodies come near to it.
-local ground = [[
+-- What rows are made from: pairs, walls, and the ground.
+local sources = [[
+  const uint2 *pairs
+  uint n_pairs
+  const float *boxes
+  const real4 *velocities
+  const uint2 *filters  if FILTER == 1
+  const float *sensors  if SENSORS == 1
+  real4 lower  if BOUNDARY == 1
+  real4 upper  if BOUNDARY == 1
   real4 ground_origin  only if GROUND > 0
   const float *ground_values  only if GROUND == 1
   real4 ground_spacing  only if GROUND == 1
@@ -29,16 +37,7 @@ return {
     common.GROUP(64), common.ROWS_AN_ITEM,
   },
   args = {
-    contact_graph_rows = [[
-      const uint2 *pairs
-      uint n_pairs
-      const float *boxes
-      const real4 *velocities
-      const uint2 *filters  if FILTER == 1
-      const float *sensors  if SENSORS == 1
-      real4 lower           if BOUNDARY == 1
-      real4 upper           if BOUNDARY == 1
-    ]] .. ground .. [[
+    contact_graph_rows = sources .. [[
       uint n
       uint fill
       volatile uint *starts
@@ -61,16 +60,7 @@ return {
       volatile uint *return_starts
       uint *returns
     ]],
-    make_rows = [[
-      const uint2 *pairs
-      uint n_pairs
-      const float *boxes
-      const real4 *velocities
-      const uint2 *filters    if FILTER == 1
-      const float *sensors    if SENSORS == 1
-      real4 lower             if BOUNDARY == 1
-      real4 upper             if BOUNDARY == 1
-    ]] .. ground .. [[
+    make_rows = sources .. [[
       uint n
       volatile uint *team
       uint stage

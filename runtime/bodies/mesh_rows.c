@@ -108,8 +108,7 @@ bool mesh_rows_make(mesh_rows *rows, const duet_mesh *mesh, duet_error *err)
     *rows = (mesh_rows){.n_triangles = mesh->n_triangles};
     rows->nodes = mesh_tree_make(mesh);
     return (rows->nodes && make_triangles(rows, mesh)) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a mesh of %u triangles",
-                     mesh->n_triangles);
+           no_memory(err, "a mesh of %u triangles", mesh->n_triangles);
 }
 
 void mesh_rows_free(mesh_rows *rows)

@@ -333,7 +333,7 @@ static bool count_crowd(double *others, const grid *g, const grid_objects *objec
     size_t cells = (size_t)nx * ny * (uint32_t)level->cells.s[2];
     uint32_t *counts = calloc(cells, sizeof *counts);
     if (!counts)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %zu cells", cells);
+        return no_memory(err, "the counts of %zu cells", cells);
     for (uint32_t id = 0; id < objects->all.n; ++id) {
         uint32_t cell[3];
         if (is_left_out(objects, id))

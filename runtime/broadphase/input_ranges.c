@@ -87,8 +87,7 @@ static bool reserve(input_ranges *r, uint32_t n_blocks, duet_error *err)
     free(r->guessed);
     r->guessed = malloc(n_blocks * sizeof *r->guessed + 1);
     r->capacity = r->guessed ? n_blocks : 0;
-    return r->guessed || error_set(err, DUET_STATUS_NO_MEMORY,
-                                   "no host memory for the ranges of %u blocks", n_blocks);
+    return r->guessed || no_memory(err, "the ranges of %u blocks", n_blocks);
 }
 
 static bool is_empty(const part_range *slab)

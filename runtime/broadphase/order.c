@@ -183,8 +183,7 @@ static bool sort_objects(const grid *g, const grid_objects *objects, uint32_t n_
     s.n_chunks = n_threads > 1 ? n_threads * CHUNKS_A_THREAD : 1;
     s.places = malloc(s.n_chunks * sizeof *s.places);
     if (!s.places)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to order %u objects",
-                         s.objects->all.n);
+        return no_memory(err, "%u objects in order", s.objects->all.n);
     s.cells = number_cells(s.grid);
     uint32_t bits = bits_of_keys(&s.cells, s.grid);
     do {
@@ -219,8 +218,7 @@ bool duet_world_order(duet_world *world, uint32_t **order, uint32_t *n, duet_err
     void *scratch = malloc((size_t)world->objects.all.n * ORDER_SCRATCH + 1);
     bool ok = list && scratch;
     if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to order %u objects",
-                  world->objects.all.n);
+        no_memory(err, "%u objects in order", world->objects.all.n);
     ok = ok && world_order(world, 1 + thread_pool_spare(MOST_THREADS), list, scratch, err);
     free(scratch);
     if (!ok) {

@@ -187,7 +187,7 @@ static bool gather(part *p, const duet_pair *open, open_objects *o, duet_error *
     o->rows = malloc(n * row);
     o->sizes = sizes ? malloc(n * sizeof *o->sizes) : NULL;
     if (!o->rows || (sizes && !o->sizes))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu objects", n);
+        return no_memory(err, "%zu objects", n);
     for (size_t i = 0; sizes && i < n; ++i)
         o->sizes[i] = sizes[i % 2 ? open[i / 2].b : open[i / 2].a];
     o->objects.all.rows = o->rows;
@@ -270,7 +270,7 @@ bool part_fetch(part *p, duet_error *err)
     size_t bytes = (size_t)p->result.n_undecided * sizeof(duet_pair);
     duet_pair *colliding = malloc(bytes + 1);
     if (!colliding)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
+        return no_memory(err, "%zu bytes", bytes);
     bool ok = p->task.pairs_on_device ? decide_on_device(p, colliding, err)
                                       : fetch_and_decide(p, colliding, err);
     free(colliding);
@@ -286,8 +286,7 @@ bool part_read_counted(part *p, duet_error *err)
     uint64_t n_decided = p->result.span.n - n_there;
     duet_pair *decided = malloc((size_t)n_decided * sizeof *decided + 1);
     if (!decided)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu pairs: no memory",
-                         (unsigned long long)n_decided);
+        return no_memory(err, "%llu pairs", (unsigned long long)n_decided);
     if (n_decided > 0)
         memcpy(decided, p->result.span.pairs + n_there, (size_t)n_decided * sizeof *decided);
     bool ok = host_block_reserve(&p->fetched, p->device, 1,

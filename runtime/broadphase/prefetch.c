@@ -21,7 +21,7 @@ static bool can_prefetch(const duet_world *world, int side)
 {
     uint32_t share = world->def.plan.share;
     return world_is_prepared(world, side) && world->def.plan.mode == DUET_MODE_OWN &&
-           !world->parts[side].device->info.host_memory && !world->def.separate_sizes &&
+           !world->parts[side].device->info.host_memory && !world->def.pose_form &&
            (side == 0 ? share > 0 : share < DUET_SHARE_ONE);
 }
 
@@ -51,7 +51,7 @@ void world_cancel_prefetch(duet_world *world)
 static bool has_kernel(part *p, const duet_world_def *def, duet_error *err)
 {
     const bool knows = (def->shape == DUET_SHAPE_POSES || def->shape == DUET_SHAPE_BOUNDS) &&
-                       def->origin_edge == 0.0f && !def->separate_sizes;
+                       def->origin_edge == 0.0f && !def->pose_form;
     return knows && (p->kernels.find_interior || part_prepare_interior(p, err));
 }
 

@@ -30,8 +30,7 @@ static bool count_objects(split *s, const grid *g, const grid_objects *objects, 
     uint32_t n_rows = g->n_cells / (uint32_t)g->levels[0].cells.s[0];
     uint32_t *rows = calloc(n_rows, sizeof *rows);
     if (!rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory to count %u rows of cells",
-                         n_rows);
+        return no_memory(err, "the counts of %u rows of cells", n_rows);
     for (uint32_t first = 0, n; first < objects->all.n; first += n) {
         uint32_t of[GRID_BLOCK], left = objects->all.n - first;
         n = left < GRID_BLOCK ? left : GRID_BLOCK;

@@ -72,7 +72,8 @@ bool view_is_prefetched(const device_view *v)
     return v->n_chunks > 0 && v->there.kind == SELECT_RANGES;
 }
 
-void view_drop_chunks(device_view *v, timeline *t)
+// Waits for what was prefetched, and forgets the chunks of the last step.
+static void drop_chunks(device_view *v, timeline *t)
 {
     if (view_is_prefetched(v))
         timeline_clear(t);
@@ -146,7 +147,7 @@ bool view_update(device_view *v, timeline *t, const host_array *from, const sele
     const buffer before = v->own;
     assert(wanted->kind != SELECT_LIST);
     if (!continues)
-        view_drop_chunks(v, t);
+        drop_chunks(v, t);
     v->n = from->n;
     if (v->bound.mem)
         return true;
@@ -276,7 +277,7 @@ bool view_update_list(device_view *v, timeline *t, compaction *c, int side, uint
     const size_t capacity = s.list->capacity;
     bool placed = false;
     assert(wanted->kind == SELECT_LIST && !v->bound.mem);
-    view_drop_chunks(v, t);
+    drop_chunks(v, t);
     if (view_has(v, generation, wanted))
         return true;
     v->generation = 0;

@@ -71,9 +71,6 @@ typedef struct device_view {
 // Reads memory of another's from now on, which has all rows; NULL: the view's own again.
 void view_bind(device_view *v, const buffer *memory);
 
-// Waits for what was prefetched, and forgets the chunks of the last step.
-void view_drop_chunks(device_view *v, timeline *t);
-
 // Forgets what lies there: after a failure it may not have arrived.
 void view_forget(device_view *v);
 

@@ -232,7 +232,7 @@ workload_summary workload_summarise(const duet_world *world)
 {
     const duet_world_def *def = &world->def;
     workload_stats c = world->stats;
-    if (c.n == 0 || world->def.separate_sizes)
+    if (c.n == 0 || world->def.pose_form)
         workload_stats_take(&c, world);
     raster r = lay_raster(def, &c);
     float widest = extent_of(def, c.widest), narrowest = extent_of(def, c.narrowest);

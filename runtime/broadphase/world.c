@@ -69,15 +69,14 @@ static bool check_origin(const duet_world_def *def, duet_error *err)
                         world_objects_name(def));
 }
 
-static bool check_sizes_apart(const duet_world_def *def, duet_error *err)
+static bool check_pose_form(const duet_world_def *def, duet_error *err)
 {
-    bool plain = def->shape == DUET_SHAPE_POSES && def->origin_edge == 0.0f;
-    duet_world_def plain_def = *def;
-    plain_def.separate_sizes = plain_def.compact_transforms = false;
-    return plain || !(def->separate_sizes || def->compact_transforms) ||
-           bad_argument(err, "%s is for poses; expected false for %s",
-                        def->compact_transforms ? "compact_transforms" : "separate_sizes",
-                        world_objects_name(&plain_def));
+    if (def->pose_form > DUET_POSE_COMPACT)
+        return bad_argument(err, "pose_form is %d; expected a duet_pose_form", (int)def->pose_form);
+    bool of_poses = def->shape == DUET_SHAPE_POSES && def->origin_edge == 0.0f;
+    return of_poses || !def->pose_form ||
+           bad_argument(err, "pose_form is for poses; expected DUET_POSE_WHOLE for %s",
+                        world_objects_name(def));
 }
 
 bool world_check_def(const duet_world_def *def, duet_error *err)
@@ -93,7 +92,7 @@ bool world_check_def(const duet_world_def *def, duet_error *err)
         return false;
     if (!(def->cell >= 0.0f) || !isfinite(def->cell))
         return bad_argument(err, "cell is %g; expected 0 or an edge above 0", def->cell);
-    return check_origin(def, err) && check_sizes_apart(def, err) && check_world_box(def, err);
+    return check_origin(def, err) && check_pose_form(def, err) && check_world_box(def, err);
 }
 
 static bool check_def(const duet_world_def *def, duet_error *err)
@@ -145,7 +144,7 @@ static bool read_plan(grid_wish *wish, variant variants[2], const duet_plan *pla
         !variant_parse(b, plan->variant_b, &def->pair->devices[1].info, err))
         return false;
     bool paper = a->search == SEARCH_PAPER || b->search == SEARCH_PAPER;
-    const char *unknown = def->separate_sizes                      ? "sizes apart"
+    const char *unknown = def->pose_form                           ? "sizes apart"
                           : def->origin_edge > 0.0f                ? "origin cells"
                           : def->shape == DUET_SHAPE_ROUNDED_BOXES ? "rounded boxes"
                           : def->shape == DUET_SHAPE_SPHERES       ? "spheres"
@@ -184,21 +183,17 @@ duet_world *duet_world_create(const duet_world_def *def, duet_error *err)
     if (!check_def(def, err))
         return NULL;
     duet_plan plan = resolve_plan(def->plan, def->pair);
-    duet_world_def own = *def;
-    own.separate_sizes |= own.compact_transforms;
-    if (!read_plan(&wish, variants, &plan, &own, err))
+    if (!read_plan(&wish, variants, &plan, def, err))
         return NULL;
     duet_world *world = calloc(1, sizeof *world);
-    if (!world) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a world");
-        return NULL;
-    }
-    world->def = own;
-    world->objects = (grid_objects){.kind = world_objects_kind(&own),
-                                    .shape = own.shape,
-                                    .dims = own.dims,
-                                    .origin = own.origin_edge,
-                                    .all.row_bytes = world_kind_bytes(world_objects_kind(&own)),
+    if (!world)
+        return null_no_memory(err, "a world");
+    world->def = *def;
+    world->objects = (grid_objects){.kind = world_objects_kind(def),
+                                    .shape = def->shape,
+                                    .dims = def->dims,
+                                    .origin = def->origin_edge,
+                                    .all.row_bytes = world_kind_bytes(world_objects_kind(def)),
                                     .sizes.row_bytes = sizeof(duet_size)};
     take_plan(world, &plan, &wish, variants);
     world_hold(world);

@@ -26,10 +26,9 @@ static const struct {
 duet_object_kind world_objects_kind(const duet_world_def *def)
 {
     duet_object_kind whole = origin_row_kind(def->shape, def->origin_edge);
-    bool apart = whole == DUET_OBJECT_POSES;
-    return apart && def->compact_transforms ? DUET_OBJECT_COMPACT_TRANSFORMS
-           : apart && def->separate_sizes   ? DUET_OBJECT_TRANSFORMS
-                                            : whole;
+    return whole != DUET_OBJECT_POSES || !def->pose_form ? whole
+           : def->pose_form == DUET_POSE_COMPACT         ? DUET_OBJECT_COMPACT_TRANSFORMS
+                                                         : DUET_OBJECT_TRANSFORMS;
 }
 
 const char *world_kind_name(duet_object_kind kind)
@@ -158,7 +157,7 @@ static bool search_sees(const duet_world *world)
 
 static bool has_sizes(const duet_world *world, duet_error *err)
 {
-    return !world->def.separate_sizes || world->objects.sizes.n == world->objects.all.n ||
+    return !world->def.pose_form || world->objects.sizes.n == world->objects.all.n ||
            bad_argument(err, "%u objects have a transform and %u a size; expected as many of each",
                         world->objects.all.n, world->objects.sizes.n);
 }

@@ -14,7 +14,7 @@ static bool can_have(const duet_world *world, duet_object_kind kind, uint32_t n,
         return false;
     if (kind < DUET_OBJECT_POSES || kind > DUET_OBJECT_SPHERES)
         return bad_argument(err, "kind is %d; expected a duet_object_kind", (int)kind);
-    bool size = kind == DUET_OBJECT_SIZES && world->def.separate_sizes;
+    bool size = kind == DUET_OBJECT_SIZES && world->def.pose_form;
     if (kind != world->objects.kind && !size)
         return bad_argument(err, "the world was made for %s, not for %s",
                             world_kind_name(world->objects.kind), world_kind_name(kind));
@@ -79,7 +79,7 @@ bool world_take_transforms(duet_world *world, const duet_pose *poses, uint32_t n
         duet_transform t = grid_transform_of(&poses[i]);
         if (world->def.dims == 2)
             t.rotation[0] = t.rotation[1] = 0.0f;
-        if (!world->def.compact_transforms)
+        if (world->def.pose_form == DUET_POSE_TRANSFORM)
             ((duet_transform *)to)[i] = t;
         else // the step reports a pose without rotation
             duet_compact_transform_set(&((duet_compact_transform *)to)[i], &t, NULL);
@@ -96,7 +96,7 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
     if (!world_is_idle(world, __func__, err) ||
         (n > 0 && !error_given(objects, __func__, "objects", err)))
         return false;
-    if (kind == DUET_OBJECT_POSES && world->def.separate_sizes)
+    if (kind == DUET_OBJECT_POSES && world->def.pose_form)
         return world_take_transforms(world, objects, n, err) && take_sizes(world, objects, n, err);
     void *to = duet_world_map_objects(world, kind, n, err);
     if (!to || n == 0)
@@ -104,8 +104,7 @@ bool duet_world_set_objects(duet_world *world, duet_object_kind kind, const void
     memcpy(to, objects, n * world_kind_bytes(kind));
     for (uint32_t i = 0; kind == DUET_OBJECT_LARGE_POSES && i < n; ++i)
         origin_settle(&((duet_large_pose *)to)[i], world->def.origin_edge);
-    if (kind != DUET_OBJECT_SIZES && world->objects.all.generation == 1 &&
-        !world->def.separate_sizes)
+    if (kind != DUET_OBJECT_SIZES && world->objects.all.generation == 1 && !world->def.pose_form)
         workload_stats_take(&world->stats, world);
     return true;
 }

@@ -60,7 +60,7 @@ bool command_open(duet_motion *m, command *c, duet_error *err)
     c->places = malloc(n * sizeof *c->places + 1);
     c->ids = recorded ? malloc(n * sizeof *c->ids + 1) : NULL;
     if (!c->places || (recorded && !c->ids))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %zu places", c->call, n);
+        return no_memory(err, "%zu places in %s", n, c->call);
     return (!listed || find_places(m, c, err)) && motion_begin_commands(m, err);
 }
 
@@ -101,7 +101,7 @@ bool command_copy(const duet_motion *m, command *c, duet_error *err)
     c->poses = malloc(n * sizeof *c->poses + 1);
     c->bodies = malloc(n * sizeof *c->bodies + 1);
     if (!c->poses || !c->bodies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u bodies", c->call, n);
+        return no_memory(err, "%u bodies in %s", n, c->call);
     for (uint32_t i = 0; i < n; ++i) {
         c->poses[i] = coming ? coming[i] : m->poses[c->places[i]];
         if (!coming)
@@ -138,7 +138,7 @@ bool command_settle(const duet_motion *m, command *c, duet_error *err)
         return true;
     c->cells = calloc((size_t)n + 1, sizeof *c->cells);
     if (!c->cells)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u cells", c->call, n);
+        return no_memory(err, "%u cells in %s", n, c->call);
     for (uint32_t i = 0; i < n; ++i)
         if (!motion_place_pose(m, &c->poses[i], &c->cells[i]))
             return command_fail(c, i, DUET_STATUS_BAD_OBJECT, err,

@@ -55,7 +55,7 @@ static bool reserve_host(duet_motion *m, uint32_t n, duet_error *err)
         !widen(&c->generations, sizeof *c->generations, most) ||
         !widen(&c->states, sizeof *c->states, most) ||
         !widen(&c->user_data, sizeof *c->user_data, most))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", most);
+        return no_memory(err, "%u bodies", most);
     c->capacity = most;
     return true;
 }
@@ -156,7 +156,7 @@ static bool check_twice(const duet_motion *m, const command *c, duet_error *err)
 {
     uint8_t *seen = calloc((size_t)m->n + 1, 1);
     if (!seen)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u places", c->call, m->n);
+        return no_memory(err, "%u places in %s", m->n, c->call);
     bool ok = true;
     for (uint32_t i = 0; ok && i < c->list.n; ++i) {
         if (seen[c->places[i]]++)

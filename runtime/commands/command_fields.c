@@ -89,7 +89,7 @@ static bool change_masses(duet_motion *m, const command *c, duet_error *err)
     uint8_t *gained = calloc((size_t)m->n + 1, 1);
     bool any = false;
     if (!gained)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
+        return no_memory(err, "%u places", m->n);
     for (uint32_t i = 0; i < c->list.n; ++i) {
         bool had = m->bodies[c->places[i]].mass > 0.0f, has = c->bodies[i].mass > 0.0f;
         if (had != has)

@@ -66,8 +66,7 @@ static bool find_velocities(duet_motion *m, const command *c, duet_error *err)
 {
     const uint32_t n = c->list.n;
     duet_state *states = malloc(n * sizeof *states + 1);
-    bool ok =
-        states || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u states", c->call, n);
+    bool ok = states || no_memory(err, "%u states in %s", n, c->call);
     ok = ok && motion_fetch_states(m, c->places, n, states, NULL, err);
     if (ok)
         set_velocities(m, c, states);
@@ -105,7 +104,7 @@ bool act_set_targets(duet_motion *m, command *c, duet_error *err)
     const uint32_t n = c->list.n;
     motion_target *more = realloc(left->targets, ((size_t)left->n_targets + n + 1) * sizeof *more);
     if (!more)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u targets", n);
+        return no_memory(err, "%u targets", n);
     left->targets = more;
     for (uint32_t i = 0; i < n; ++i) {
         left->targets[left->n_targets++] = (motion_target){c->places[i], targets[i]};

@@ -302,7 +302,7 @@ static bool check_contacts(const duet_motion *m, const motion_saved *s, duet_err
 {
     uint32_t *words = calloc((size_t)m->n + 1, 2 * sizeof *words);
     if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u rows", s->path, m->n);
+        return no_memory(err, "%u rows of %s", m->n, s->path);
     bool ok = s->rows_stale ? check_links(m, s, err) : check_rows(m, s, words, err);
     for (uint32_t i = 0; ok && i < s->n_contacts; ++i)
         ok = check_contact(m, s, i, err);

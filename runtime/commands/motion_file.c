@@ -100,7 +100,7 @@ static bool add_buffer(duet_motion *m, const saved_head *h, motion_buffer which,
         return true;
     char *host = malloc(bytes);
     if (!host)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes);
+        return no_memory(err, "%zu bytes", bytes);
     cl_int code = clEnqueueReadBuffer(m->device->queue, m->buffers[which].mem, CL_TRUE, 0, bytes,
                                       host, 0, NULL, NULL);
     if (code == CL_SUCCESS)

@@ -95,7 +95,7 @@ bool duet_motion_record(duet_motion *m, duet_error *err)
     memcpy(head.magic, recording_magic, sizeof recording_magic);
     text *fresh = calloc(1, sizeof *fresh);
     if (!fresh)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a recording");
+        return no_memory(err, "a recording");
     add(fresh, &head, sizeof head);
     add_ground(fresh, m);
     motion_forget_recording(m);

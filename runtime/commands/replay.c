@@ -115,7 +115,7 @@ duet_replay *duet_replay_create(const char *path, duet_error *err)
         p->path = malloc(length);
     if (!p || !p->path) {
         free(p);
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a replay");
+        no_memory(err, "a replay");
         return NULL;
     }
     memcpy(p->path, path, length);
@@ -176,7 +176,7 @@ static bool copy_record(const recorded *record, const char *from, const duet_mot
                      .rows = each.row > 0 ? r->rows : r->bodies,
                      .new_bodies = r->bodies};
     if (!r->ids || !r->rows || (!r->bodies && each.body > 0))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u recorded bodies", record->n);
+        return no_memory(err, "%u recorded bodies", record->n);
     if (op->form != COMMAND_DEF)
         return true;
     r->def = *def;

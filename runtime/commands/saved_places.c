@@ -187,7 +187,7 @@ static bool reserve_places(duet_motion *copy, duet_error *err)
     copy->cells = copy->def.origin_edge > 0.0f ? calloc(n, sizeof *copy->cells) : NULL;
     if (copy->poses && copy->bodies && (copy->cells || copy->def.origin_edge == 0.0f))
         return motion_begin_commands(copy, err);
-    return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects", copy->n);
+    return no_memory(err, "%u objects", copy->n);
 }
 
 static bool take_places(duet_motion *copy, const char **at, const char *path, duet_error *err)
@@ -208,7 +208,7 @@ static bool take_targets(duet_motion *copy, uint32_t n, const char **at, const c
     motion_commands *c = copy->commands;
     c->targets = malloc((size_t)n * sizeof *c->targets + 1);
     if (!c->targets)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory for %u targets", path, n);
+        return no_memory(err, "%u targets of %s", n, path);
     memcpy(c->targets, *at, n * sizeof *c->targets);
     *at += n * sizeof *c->targets;
     c->n_targets = n;

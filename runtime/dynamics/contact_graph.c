@@ -67,7 +67,7 @@ static bool tell_left_out(duet_motion *m, duet_error *err)
     duet_bounds *bounds = malloc(m->n * sizeof *bounds);
     uint32_t id = 0;
     if (!bounds)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bounds", m->n);
+        return no_memory(err, "%u bounds", m->n);
     bool ok = motion_fetch(m, "grid", BOXES, 0, bounds, m->n * sizeof *bounds, err);
     while (ok && id + 1 < m->n &&
            (m->commands->states[id] != PLACE_ENABLED || are_right(&bounds[id], m->def.dims)))

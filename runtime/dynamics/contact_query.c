@@ -121,10 +121,8 @@ duet_contact_query *duet_contact_query_create(const duet_contact_query_def *def,
     if (!check_def(def, err))
         return NULL;
     duet_contact_query *query = calloc(1, sizeof *query);
-    if (!query) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
-        return NULL;
-    }
+    if (!query)
+        return null_no_memory(err, "a query");
     side *a = &query->sides[0], *b = &query->sides[1];
     uint32_t share = def->share;
     if (share == DUET_SHARE_DEFAULT)
@@ -253,8 +251,7 @@ static bool reserve_contacts(duet_contact_query *query, uint64_t n, duet_error *
     bool fits = n <= SIZE_MAX / sizeof *query->contacts;
     query->contacts = fits ? malloc((size_t)n * sizeof *query->contacts) : NULL;
     if (!query->contacts)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu contacts",
-                         (unsigned long long)n);
+        return no_memory(err, "%llu contacts", (unsigned long long)n);
     query->capacity = n;
     return true;
 }

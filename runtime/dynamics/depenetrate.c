@@ -78,7 +78,7 @@ static bool place_moved(duet_motion *m, const apart *a, duet_error *err)
 {
     uint32_t n = 0, *places = malloc(m->n * sizeof *places + 1);
     if (!places)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", m->n);
+        return no_memory(err, "%u bodies", m->n);
     for (uint32_t id = 0; id < m->n; ++id) {
         const double *way = a->moves[id];
         if (way[0] == 0.0 && way[1] == 0.0 && way[2] == 0.0)
@@ -100,7 +100,7 @@ bool motion_part_deep(duet_motion *m, bool *parted, duet_error *err)
     bool ok = motion_read_contacts(m, &a.contacts, &a.n, err);
     a.moves = ok ? calloc((size_t)m->n + 1, sizeof *a.moves) : NULL;
     if (ok && !a.moves)
-        ok = error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", m->n);
+        ok = no_memory(err, "%u bodies", m->n);
     *parted = ok && sweep(&a, false);
     a.deep *= 0.2;
     for (int i = 1; *parted && i < SWEEPS && sweep(&a, i % 2); ++i)

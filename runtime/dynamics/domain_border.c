@@ -61,8 +61,7 @@ static bool reserve(domain_contacts *c, duet_error *err)
     c->rows = malloc(n * sizeof *c->rows);
     c->links = malloc(n * sizeof *c->links);
     c->colours = malloc(n * sizeof *c->colours);
-    return (c->rows && c->links && c->colours) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+    return (c->rows && c->links && c->colours) || no_memory(err, "%u contacts", c->n);
 }
 
 static void take(domain_contacts *c, const border_row *rows)
@@ -86,7 +85,7 @@ static bool fetch(duet_motion *m, domain_contacts *c, duet_error *err)
     const size_t bytes = c->n * sizeof(border_row);
     border_row *rows = malloc(bytes + 1);
     if (!rows)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+        no_memory(err, "%u contacts", c->n);
     bool ok = rows && reserve(c, err) && list(m, c->n, err) &&
               (c->n == 0 || motion_fetch(m, stage, BORDER, 0, rows, bytes, err));
     if (ok)

@@ -90,7 +90,7 @@ static bool read_forces(duet_motion *m, domain_left left, const uint32_t *places
 {
     float *forces = malloc((size_t)n * FORCE_FLOATS * sizeof(float) + 1);
     if (!forces)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the forces on %u bodies", n);
+        return no_memory(err, "the forces on %u bodies", n);
     bool ok = domain_pack_rows(m, FORCES, NULL, places, n, forces, err);
     for (uint32_t i = 0; ok && i < n; ++i) {
         left_row row = row_of(left, i);
@@ -144,7 +144,7 @@ bool domain_take_commands(duet_motion *m, domain_left left, duet_error *err)
     m->commands = NULL;
     if (!targets || !motion_begin_commands(m, err)) {
         free(targets);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for commands to %u bodies", m->n);
+        return no_memory(err, "commands to %u bodies", m->n);
     }
     m->commands->targets = targets;
     for (uint32_t i = 0; i < m->n; ++i) {
@@ -170,7 +170,7 @@ bool domain_take_forces(duet_motion *m, domain_left left, duet_error *err)
         return true;
     float *forces = malloc(bytes);
     if (!forces)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the forces on %u bodies", m->n);
+        return no_memory(err, "the forces on %u bodies", m->n);
     for (uint32_t i = 0; i < m->n; ++i) {
         const left_row row = row_of(left, i);
         memcpy(forces + (size_t)i * FORCE_FLOATS, row.force, sizeof row.force);

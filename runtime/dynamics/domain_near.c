@@ -49,7 +49,7 @@ static bool fetch(duet_motion *m, uint32_t n, domain_near **list, duet_error *er
         return true;
     *list = malloc(n * sizeof **list);
     return *list ? motion_fetch(m, stage, NEAR, sizeof **list, *list, n * sizeof **list, err)
-                 : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
+                 : no_memory(err, "%u bodies", n);
 }
 
 bool domain_list_near(duet_motion *m, const float *extents, uint32_t n, domain_near **list,

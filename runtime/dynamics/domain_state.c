@@ -72,7 +72,7 @@ static bool read_rows(duet_motion *m, motion_buffer which, const uint32_t *place
     const size_t row = row_bytes(m, which), all = domain_state_bytes(m);
     char *rows = malloc(n * row + 1);
     if (!rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the states of %u bodies", n);
+        return no_memory(err, "the states of %u bodies", n);
     bool ok = domain_pack_rows(m, which, NULL, places, n, rows, err);
     for (uint32_t i = 0; ok && i < n; ++i)
         memcpy(at + i * all, rows + i * row, row);
@@ -111,7 +111,7 @@ bool domain_contacts_reserve(domain_contacts *c, const duet_motion *m, bool with
     c->colours = malloc(n * sizeof *c->colours);
     c->records = malloc(n * record + 1);
     return (c->links && c->touches && c->colours && c->records) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+           no_memory(err, "%u contacts", c->n);
 }
 
 bool domain_reserve_rows(domain_contacts *c, const duet_motion *m, duet_error *err)
@@ -119,8 +119,7 @@ bool domain_reserve_rows(domain_contacts *c, const duet_motion *m, duet_error *e
     const size_t n = (size_t)c->n + 1;
     c->touches = malloc(n * sizeof *c->touches);
     c->records = malloc(n * m->layout.record * sizeof(float));
-    return (c->touches && c->records) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts", c->n);
+    return (c->touches && c->records) || no_memory(err, "%u contacts", c->n);
 }
 
 static bool responds(const duet_motion *m)
@@ -230,7 +229,7 @@ static bool take_bodies(duet_motion *m, const duet_pose *poses, const duet_body 
     duet_body *more_bodies = realloc(m->bodies, space * sizeof *bodies);
     m->bodies = more_bodies ? more_bodies : m->bodies;
     if (!more_poses || !more_bodies || !take_cells(m, n))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", n);
+        return no_memory(err, "%u bodies", n);
     memcpy(m->poses, poses, n * sizeof *poses);
     memcpy(m->bodies, bodies, n * sizeof *bodies);
     m->n = n;
@@ -323,7 +322,7 @@ static bool write_all_fresh(duet_motion *m, const domain_bodies *b, duet_error *
     bool ok = true, is_first = true;
     char *rows = calloc((size_t)b->n_fresh + 1, lasting_bytes(m)), *next = rows;
     if (!rows)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n_fresh);
+        return no_memory(err, "%u bodies", b->n_fresh);
     for (int i = 0; ok && b->n_fresh > 0 && i < N_LASTING; ++i) {
         const size_t row = row_bytes(m, lasting[i]);
         if (row == 0)
@@ -391,7 +390,7 @@ static bool grow_bodies(duet_motion *m, uint32_t n)
 static bool own_bodies(duet_motion *m, const domain_bodies *b, duet_error *err)
 {
     if (!grow_bodies(m, b->n))
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", b->n);
+        return no_memory(err, "%u bodies", b->n);
     domain_splice(b, m->poses, b->poses, sizeof *m->poses);
     domain_splice(b, m->bodies, b->bodies, sizeof *m->bodies);
     m->n = b->n;
@@ -439,8 +438,7 @@ static bool reserve_rows(contact_rows *r, size_t n, size_t n_contacts, duet_erro
     r->others = calloc(n_contacts + 1, sizeof *r->others);
     r->returns = calloc(n_contacts + 1, sizeof *r->returns);
     return (r->starts && r->return_starts && r->others && r->returns) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the rows of %zu contacts",
-                     n_contacts);
+           no_memory(err, "the rows of %zu contacts", n_contacts);
 }
 
 static bool returns(const duet_motion *m, uint32_t other)

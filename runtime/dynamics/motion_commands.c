@@ -25,7 +25,7 @@ bool motion_begin_commands(duet_motion *m, duet_error *err)
                                .user_data = calloc(n + 1, sizeof *c->user_data)};
     if (!c || !c->generations || !c->states || !c->user_data) {
         motion_forget_commands(c);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for commands to %u objects", m->n);
+        return no_memory(err, "commands to %u objects", m->n);
     }
     memset(c->states, PLACE_ENABLED, n);
     m->commands = c;

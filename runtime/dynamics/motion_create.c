@@ -80,7 +80,7 @@ static bool place_objects(duet_motion *m, const duet_large_pose *large_poses, du
         return true;
     m->cells = calloc((size_t)m->n + 1, sizeof *m->cells);
     if (!m->cells)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for the cells of %u objects", m->n);
+        return no_memory(err, "the cells of %u objects", m->n);
     for (uint32_t id = 0; id < m->n; ++id)
         if (!(large_poses ? settle_pose(m, large_poses[id], &m->poses[id], &m->cells[id])
                           : motion_place_pose(m, &m->poses[id], &m->cells[id])))
@@ -97,7 +97,7 @@ static bool copy_objects(duet_motion *m, const duet_pose *poses, const duet_larg
     m->poses = calloc((size_t)n + 1, sizeof *m->poses);
     m->bodies = calloc((size_t)n + 1, sizeof *m->bodies);
     if (!m->poses || !m->bodies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that move", n);
+        return no_memory(err, "%u objects that move", n);
     for (uint32_t id = 0; id < n; ++id)
         m->poses[id] = large_poses ? large_poses[id].pose : poses[id];
     if (n > 0 && bodies)
@@ -183,7 +183,7 @@ static duet_motion *hold(const duet_motion_def *def, const duet_pose *poses,
 {
     duet_motion *m = calloc(1, sizeof *m);
     if (!m)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a motion");
+        return null_no_memory(err, "a motion");
     m->def = *def;
     device_pair_hold(def->pair);
     return keep_if(m, ground_copy(&m->ground, &m->def, err) &&

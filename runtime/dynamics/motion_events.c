@@ -84,8 +84,7 @@ static bool fetch_touching(duet_motion *m, duet_error *err)
     }
     uint32_t *words = malloc(n_words * sizeof *words);
     if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u contacts",
-                         m->graph.n_contacts);
+        return no_memory(err, "%u contacts", m->graph.n_contacts);
     bool ok = pair_list_reserve(&e->links, n, err) && pair_list_reserve(&e->touching, n, err) &&
               fetch_bits(m, words, n_words, err);
     if (ok)
@@ -173,7 +172,7 @@ static bool fetch_hits(duet_motion *m, size_t n, duet_error *err)
         return true;
     uint32_t(*words)[HIT_WORDS] = malloc(n * sizeof *words);
     if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu events", n);
+        return no_memory(err, "%zu events", n);
     bool ok = fetch(m, HITS, words, n * sizeof *words, err);
     for (size_t i = 0; ok && i < n; ++i) {
         duet_hit_event hit = hit_of(m, words[i]);
@@ -244,8 +243,7 @@ bool domain_read_told(duet_motion *m, uint8_t *told, duet_error *err)
     if (!m->kernels.of[CONTACT_EVENTS] || n == 0)
         return true;
     uint32_t *words = malloc(n_words * sizeof *words);
-    bool ok = words ? mark_told(m, words, n_words, told, err)
-                    : error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu contacts", n);
+    bool ok = words ? mark_told(m, words, n_words, told, err) : no_memory(err, "%zu contacts", n);
     free(words);
     return ok;
 }

@@ -63,7 +63,7 @@ static bool begin_maps(duet_motion *m, duet_error *err)
 {
     if (!m->maps)
         m->maps = calloc(PARTS, sizeof *m->maps);
-    return m->maps || error_set(err, DUET_STATUS_NO_MEMORY, "no memory to map states");
+    return m->maps || no_memory(err, "mapped states");
 }
 
 // Other parts may be mapped.
@@ -92,7 +92,7 @@ static bool forget_targets(duet_motion *m, uint32_t first, uint32_t n, duet_erro
         return true;
     uint32_t *places = malloc((size_t)n * sizeof *places + 1);
     if (!places)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", n);
+        return no_memory(err, "%u places", n);
     for (uint32_t i = 0; i < n; ++i)
         places[i] = first + i;
     bool ok = motion_forget_targets(m, places, n, err);
@@ -181,7 +181,7 @@ static uint32_t *settle(const duet_motion *m, duet_state_part part, const struct
     uint32_t *awake = malloc((size_t)map->n * sizeof *awake + 1);
     *n_awake = 0;
     if (!awake)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", map->n);
+        no_memory(err, "%u places", map->n);
     for (uint32_t i = 0; awake && i < map->n; ++i) {
         uint32_t place = map->rows.first + i;
         if (part == DUET_STATE_ROTATIONS)

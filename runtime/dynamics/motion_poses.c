@@ -75,7 +75,7 @@ bool motion_copy_large_poses(duet_motion *m, duet_large_pose *poses, duet_error 
     cl_int4 *cells = calloc((size_t)m->n + 1, sizeof *cells);
     bool ok = states && cells;
     if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+        no_memory(err, "%u states", m->n);
     ok = ok && motion_fetch_states(m, NULL, m->n, states, cells, err);
     for (uint32_t id = 0; ok && id < m->n; ++id) {
         poses[id] = (duet_large_pose){.pose = pose_of(m, id, &states[id])};

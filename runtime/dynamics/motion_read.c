@@ -132,7 +132,7 @@ static bool fetch_states(duet_motion *m, reading *r, duet_state *states, cl_int4
         return true;
     r->space = malloc((size_t)r->n * MOST_WORDS * sizeof *r->space);
     if (!r->space)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", r->n);
+        return no_memory(err, "%u states", r->n);
     bool given = motion_words(m, ROTATIONS) == 0 || motion_words(m, ANGULAR_VELOCITIES) == 0;
     for (uint32_t i = 0; given && i < r->n; ++i)
         motion_given_state(m, place_of(r, i), &states[i]);
@@ -158,7 +158,7 @@ enum { SUMMED_AT_ONCE = 16384 };
 bool motion_sum_states(duet_motion *m, add_state add, void *sum, duet_error *err)
 {
     duet_state *states = malloc(SUMMED_AT_ONCE * sizeof *states);
-    bool ok = states || error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    bool ok = states || no_memory(err, "%u states", m->n);
     for (reading r = {.n = 0}; ok && r.first < m->n; r.first += r.n) {
         r.n = m->n - r.first < SUMMED_AT_ONCE ? m->n - r.first : SUMMED_AT_ONCE;
         ok = fetch_states(m, &r, states, NULL, err);
@@ -180,10 +180,8 @@ bool duet_motion_get_states(duet_motion *m, duet_state *states, duet_error *err)
 duet_state *motion_read_states(duet_motion *m, duet_error *err)
 {
     duet_state *states = malloc(((size_t)m->n + 1) * sizeof *states);
-    if (!states) {
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
-        return NULL;
-    }
+    if (!states)
+        return null_no_memory(err, "%u states", m->n);
     if (motion_fetch_states(m, NULL, m->n, states, NULL, err))
         return states;
     free(states);
@@ -227,7 +225,7 @@ bool duet_motion_get_asleep(duet_motion *m, uint8_t *asleep, duet_error *err)
         return false;
     uint32_t *words = calloc((size_t)m->n + 1, sizeof *words);
     if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+        return no_memory(err, "%u states", m->n);
     bool ok = read_asleep(m, words, asleep, err);
     free(words);
     return ok;
@@ -279,8 +277,7 @@ static bool reserve_reading(duet_motion *m, duet_error *err)
     r->n = m->n;
     r->ids = malloc(((size_t)m->n + 1) * sizeof *r->ids);
     r->states = malloc(((size_t)m->n + 1) * sizeof *r->states);
-    return (r->ids && r->states) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+    return (r->ids && r->states) || no_memory(err, "%u states", m->n);
 }
 
 // Bodies that were never read have moved.
@@ -312,7 +309,7 @@ bool duet_motion_get_moved(duet_motion *m, duet_moved *moved, duet_error *err)
         return false;
     uint32_t *words = calloc((size_t)m->n / 32 + 1, sizeof *words);
     if (!words)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u states", m->n);
+        return no_memory(err, "%u states", m->n);
     bool ok = timeline_finish(&m->times, err) && reserve_reading(m, err) &&
               read_moved(m, words, moved, err);
     free(words);
@@ -349,7 +346,7 @@ bool motion_read_contacts(duet_motion *m, duet_contact **contacts, uint64_t *n, 
     duet_contact *found = malloc(count * sizeof *found + 1);
     bool ok = links && touches && records && found;
     if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu contacts", count);
+        no_memory(err, "%zu contacts", count);
     ok = ok &&
          timeline_read(&m->times, "fetch", &m->buffers[LINKS], links, count * sizeof *links, err) &&
          timeline_read(&m->times, "fetch", &m->buffers[TOUCHES], touches, count * sizeof *touches,

@@ -30,7 +30,7 @@ static bool fetch_rows(duet_motion *m, motion_rows *rows, size_t at, bool fresh,
 {
     rows->bytes = malloc(rows->size + 1);
     if (!rows->bytes)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", rows->size);
+        return no_memory(err, "%zu bytes", rows->size);
     bool ok =
         fresh || timeline_read_at(&m->times, "fetch", rows->of, at, rows->bytes, rows->size, err);
     if (!ok)

@@ -30,7 +30,7 @@ bool motion_forget_targets(duet_motion *m, const uint32_t *places, uint32_t n, d
     uint32_t n_kept = 0, n_stopped = 0;
     bool ok = named && stopped;
     if (!ok)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u places", m->n);
+        no_memory(err, "%u places", m->n);
     for (uint32_t i = 0; ok && i < n; ++i)
         named[places[i]] = 1;
     for (uint32_t i = 0; ok && i < c->n_targets; ++i) {
@@ -75,7 +75,7 @@ bool motion_arrive(duet_motion *m, duet_error *err)
         return true;
     uint32_t *places = malloc(n * sizeof *places);
     if (!places)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u targets", n);
+        return no_memory(err, "%u targets", n);
     for (uint32_t i = 0; i < n; ++i) {
         places[i] = c->targets[i].place;
         put_at(m, &c->targets[i]);

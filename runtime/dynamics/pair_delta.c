@@ -16,7 +16,7 @@ duet_pair_delta *duet_pair_delta_create(duet_error *err)
     PUBLIC_CALL(err);
     duet_pair_delta *delta = calloc(1, sizeof *delta);
     if (!delta)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a delta of pairs");
+        no_memory(err, "a delta of pairs");
     return delta;
 }
 

@@ -11,7 +11,7 @@ bool pair_list_grow(void **rows, size_t *capacity, size_t n, size_t size, duet_e
         return true;
     void *grown = realloc(*rows, n * size);
     if (!grown)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu pairs", n);
+        return no_memory(err, "%zu pairs", n);
     *rows = grown;
     *capacity = n;
     return true;

@@ -18,8 +18,7 @@ static bool copy_mesh(ground_shape *ground, const duet_mesh *m, duet_error *err)
     if (!mesh_check_places(m, err) || !mesh_copy(&ground->mesh, m, err))
         return false;
     ground->tree = mesh_tree_make(m);
-    return ground->tree || error_set(err, DUET_STATUS_NO_MEMORY,
-                                     "no memory for a ground of %u triangles", m->n_triangles);
+    return ground->tree || no_memory(err, "a ground of %u triangles", m->n_triangles);
 }
 
 bool ground_shape_copy(ground_shape *ground, const duet_heights *heights, const duet_mesh *mesh,

@@ -68,7 +68,7 @@ bool heights_copy(duet_heights *to, const duet_heights *h, duet_error *err)
     const size_t bytes = heights_bytes(h);
     float *values = malloc(bytes);
     if (!values)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes", bytes);
+        return no_memory(err, "a ground of %zu bytes", bytes);
     *to = *h;
     to->heights = memcpy(values, h->heights, bytes);
     return true;

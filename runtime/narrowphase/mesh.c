@@ -154,8 +154,7 @@ bool mesh_copy(duet_mesh *to, const duet_mesh *mesh, duet_error *err)
     if (!vertices || !triangles) {
         free(vertices);
         free(triangles);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a ground of %zu bytes",
-                         vertex_bytes + triangle_bytes);
+        return no_memory(err, "a ground of %zu bytes", vertex_bytes + triangle_bytes);
     }
     *to = *mesh;
     to->vertices = memcpy(vertices, mesh->vertices, vertex_bytes);
@@ -168,8 +167,7 @@ bool mesh_carry(duet_mesh *to, const duet_mesh *mesh, const duet_state *carrier,
     const double *q = carrier->rotation;
     float *vertices = malloc(mesh_vertex_bytes(mesh));
     if (!vertices)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for a mesh of %u vertices",
-                         mesh->n_vertices);
+        return no_memory(err, "a mesh of %u vertices", mesh->n_vertices);
     for (uint32_t i = 0; i < mesh->n_vertices; ++i) {
         double at[3], once[3], twice[3];
         mesh_place_vertex(mesh, i, at);

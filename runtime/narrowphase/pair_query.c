@@ -81,7 +81,7 @@ duet_pair_query *duet_pair_query_create(const duet_pair_query_def *def, duet_err
         return NULL;
     duet_pair_query *query = calloc(1, sizeof *query);
     if (!query)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a pair query");
+        return null_no_memory(err, "a pair query");
     side *a = &query->sides[0], *b = &query->sides[1];
     if (!shared_work_open(&query->work, def->pair, def->pair->kernel_dir, def->share, &a->work,
                           &b->work, err) ||

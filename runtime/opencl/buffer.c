@@ -34,7 +34,7 @@ static void *allocate(size_t bytes, duet_error *err)
     if (memory)
         budget_hold(bytes);
     else
-        error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %zu bytes", bytes);
+        no_memory(err, "%zu bytes", bytes);
     return memory;
 }
 

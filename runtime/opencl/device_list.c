@@ -138,7 +138,7 @@ static void find_roots(void)
 static bool look(duet_error *err)
 {
     pthread_once(&found.once, find_roots);
-    return !found.failed || error_set(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
+    return !found.failed || no_memory(err, "the list of devices");
 }
 
 static bool refuse_none(duet_error *err)
@@ -212,7 +212,7 @@ duet_device_list *duet_device_list_create(duet_error *err)
         return NULL;
     duet_device_list *list = calloc(1, sizeof *list);
     if (!list)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "the list of devices: no memory");
+        return null_no_memory(err, "the list of devices");
     *list = (duet_device_list){found.roots, found.n};
     return list;
 }

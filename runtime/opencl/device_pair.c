@@ -130,7 +130,7 @@ static bool keep_folder(char **kept, const char *folder, duet_error *err)
     if (!folder || !*folder)
         return true;
     *kept = strdup(folder);
-    return *kept || error_set(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
+    return *kept || no_memory(err, "a device pair");
 }
 
 // All but the devices; NULL where that cannot be had.
@@ -141,7 +141,7 @@ static duet_device_pair *make_pair(const duet_device_pair_def *def, duet_error *
                           "the def of a device pair begins with duet_default_device_pair_def");
     duet_device_pair *pair = calloc(1, sizeof *pair);
     if (!pair)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "a device pair: no memory");
+        return null_no_memory(err, "a device pair");
     device_pair_hold(pair);
     bool ok = keep_folder(&pair->kernel_dir, def->kernel_dir, err);
     ok = ok && keep_folder(&pair->cache_dir, def->cache_dir, err);

@@ -26,8 +26,7 @@ program_set *program_set_open(const device *d, gen *g, const program_builder *bu
 {
     program_set *set = calloc(1, sizeof *set);
     if (!set)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for the kernels of %s",
-                          d->info.selector);
+        return null_no_memory(err, "the kernels of %s", d->info.selector);
     set->device = d;
     set->gen = g;
     set->limits = program_limits(&d->info);
@@ -118,8 +117,7 @@ static program *new_program(const program_set *set, const gen_variant *variant, 
     program *p = text_ok(&all, NULL) ? calloc(1, sizeof *p) : NULL;
     if (!p) {
         text_free(&all);
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for the program %s",
-                          variant->name);
+        return null_no_memory(err, "the program %s", variant->name);
     }
     memcpy(p->sha256, variant->sha256, sizeof p->sha256);
     memcpy(p->name, variant->name, sizeof p->name);

@@ -151,7 +151,7 @@ thread_pool *thread_pool_open(uint32_t n_threads, duet_error *err)
 {
     thread_pool *c = calloc(1, sizeof *c + n_threads * sizeof c->threads[0]);
     if (!c)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for %u threads", n_threads);
+        return null_no_memory(err, "%u threads", n_threads);
     pthread_mutex_init(&c->lock, NULL);
     pthread_cond_init(&c->idle.woken, NULL);
     pthread_cond_init(&c->caller.woken, NULL);

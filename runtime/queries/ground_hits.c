@@ -69,8 +69,7 @@ static bool find(tree_query *q, uint64_t n, duet_error *err)
         q->most_on_ground = q->on_ground ? n : 0;
     }
     if (!q->on_ground)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu hits on the ground",
-                         (unsigned long long)n);
+        return no_memory(err, "%llu hits on the ground", (unsigned long long)n);
     thread_pool_share(b ? b : a, find_some, q, n, QUERY_PIECE);
     return true;
 }

@@ -160,7 +160,5 @@ void *item_draw(const query_name *name, uint64_t n, const item_objects *among, u
     measure_extent(&d);
     for (uint64_t i = 0; items && i < n; ++i)
         draws[name->item](&d, name, items + i * bytes);
-    return items ? items
-                 : error_null(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu items",
-                              (unsigned long long)n);
+    return items ? items : null_no_memory(err, "%llu items", (unsigned long long)n);
 }

@@ -176,8 +176,7 @@ static bool sort_found(query_side *s, uint64_t begin)
     uint32_t words = s->query->kind->hit_words;
     uint64_t n = s->found.n - begin;
     return hits_sort_by_item(hits_at(&s->found, words, begin), words, n, s->first_item, s->n) ||
-           error_set(&s->tree->err, DUET_STATUS_NO_MEMORY, "no host memory to sort %llu hits",
-                     (unsigned long long)n);
+           no_memory(&s->tree->err, "%llu sorted hits", (unsigned long long)n);
 }
 
 bool query_settle(query_side *s, uint64_t n, uint32_t *open, uint64_t n_open)

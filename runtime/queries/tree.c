@@ -179,7 +179,7 @@ duet_tree *duet_tree_create(const duet_tree_def *def, duet_error *err)
         return NULL;
     duet_tree *tree = calloc(1, sizeof *tree);
     if (!tree)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a tree");
+        return null_no_memory(err, "a tree");
     tree->def = *def;
     tree->filters_set = 1;
     if (def->share == DUET_SHARE_DEFAULT)
@@ -283,7 +283,7 @@ bool tree_reserve_objects(duet_tree *tree, uint32_t n, duet_error *err)
     void *objects = realloc(tree->objects, objects_bytes(tree) + 1);
     if (!objects) {
         tree_clear(tree);
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %u objects", n);
+        return no_memory(err, "%u objects", n);
     }
     tree->objects = objects;
     return true;
@@ -293,7 +293,7 @@ duet_filter *tree_reserve_filters(duet_tree *tree, duet_error *err)
 {
     size_t bytes = ((size_t)tree->n + 1) * sizeof *tree->filters;
     if (!tree->filters && !(tree->filters = malloc(bytes)))
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no host memory for %u filters", tree->n);
+        return null_no_memory(err, "%u filters", tree->n);
     ++tree->filters_set;
     return tree->filters;
 }

@@ -154,7 +154,7 @@ tree_query *tree_query_create(duet_tree *tree, const query_kinds kinds, const an
         return NULL;
     tree_query *q = calloc(1, sizeof *q);
     if (!q)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a query");
+        return null_no_memory(err, "a query");
     q->kind = &kinds[tree->def.origin_edge > 0.0f ? DUET_SHAPES : tree->def.shape];
     q->tree = tree;
     tree_hold(tree);
@@ -275,8 +275,7 @@ static bool find_normals(tree_query *q, query_result *result, duet_error *err)
         q->most_normals = q->normals ? n : 0;
     }
     if (!q->normals)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu normals",
-                         (unsigned long long)n);
+        return no_memory(err, "%llu normals", (unsigned long long)n);
     if (!tree_fetch_objects(q->tree, err))
         return false;
     thread_pool_share(b ? b : a, find_some_normals, &rows, n, QUERY_PIECE);
@@ -305,8 +304,7 @@ static bool take_items(tree_query *q, const void *items, uint64_t n, duet_error 
         return true;
     void *copies = realloc(q->own_items, bytes);
     if (!copies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no host memory for %llu %s",
-                         (unsigned long long)n, q->kind->items);
+        return no_memory(err, "%llu %s", (unsigned long long)n, q->kind->items);
     q->items = q->own_items = copies;
     if (q->kind->copy) {
         q->kind->copy(q->tree, items, n, copies);

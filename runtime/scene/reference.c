@@ -166,8 +166,7 @@ static bool add_pair(finder *f, uint32_t a, uint32_t b)
             return false;
         duet_pair *pairs = realloc(f->found->pairs, capacity * sizeof *pairs);
         if (!pairs)
-            return error_set(f->err, DUET_STATUS_NO_MEMORY,
-                             "reference: no memory for %" PRIu64 " pairs", capacity);
+            return no_memory(f->err, "the reference's %" PRIu64 " pairs", capacity);
         f->found->pairs = pairs;
         f->capacity = capacity;
     }
@@ -366,8 +365,7 @@ static bool make_entries(finder *f)
         return false;
     f->entries = calloc(n ? n : 1, sizeof *f->entries);
     if (!f->entries)
-        return error_set(f->err, DUET_STATUS_NO_MEMORY,
-                         "reference: no memory for %" PRIu32 " objects", n);
+        return no_memory(f->err, "the reference's %" PRIu32 " objects", n);
     for (uint32_t i = 0; i < n; ++i) {
         f->entries[i].id = i;
         f->entries[i].box = bounds_of(f->objects, i);

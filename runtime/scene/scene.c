@@ -15,7 +15,7 @@ duet_scene *scene_new(duet_error *err)
 {
     duet_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "a scene: no memory");
+        return null_no_memory(err, "a scene");
     scene->info.dims = 3;
     scene->info.shape = DUET_SHAPE_POSES;
     scene->per_row = 1;
@@ -54,8 +54,7 @@ static bool reserve_centres(duet_scene *scene, uint64_t n, duet_error *err)
         return true;
     void *centres = realloc(scene->centres, n * sizeof *scene->centres);
     if (!centres)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu centres in double: no memory",
-                         (unsigned long long)n);
+        return no_memory(err, "%llu centres in double", (unsigned long long)n);
     scene->centres = centres;
     return true;
 }
@@ -71,8 +70,8 @@ bool scene_reserve(duet_scene *scene, uint64_t n, duet_error *err)
         return false;
     void *objects = realloc(scene->objects, n * object_size(scene));
     if (!objects)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu objects of %zu bytes: no memory",
-                         (unsigned long long)n, object_size(scene));
+        return no_memory(err, "%llu objects of %zu bytes", (unsigned long long)n,
+                         object_size(scene));
     scene->objects = objects;
     if (!reserve_centres(scene, n, err) || !scene_reserve_radii(scene, n, err))
         return false;
@@ -201,7 +200,7 @@ static bool reorder(void *rows, size_t bytes, uint32_t n, const uint32_t *order,
         return true;
     char *old = malloc(n * bytes);
     if (!old)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory to reorder %u objects", n);
+        return no_memory(err, "%u objects in order", n);
     memcpy(old, rows, n * bytes);
     for (uint32_t i = 0; i < n; ++i)
         memcpy((char *)rows + i * bytes, old + order[i] * bytes, bytes);

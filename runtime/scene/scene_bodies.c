@@ -11,7 +11,7 @@ static bool make_rounded(scene_bodies *b, const duet_scene *scene, duet_error *e
     b->made_poses = malloc(((size_t)b->n + 1) * sizeof *b->made_poses);
     b->made_bodies = malloc(((size_t)b->n + 1) * sizeof *b->made_bodies);
     if (!b->made_poses || !b->made_bodies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u objects that move", b->n);
+        return no_memory(err, "%u objects that move", b->n);
     for (uint32_t i = 0; i < b->n; ++i) {
         duet_rounded_box box = scene_rounded_box(scene, i);
         b->made_poses[i] = box.pose;

@@ -99,7 +99,7 @@ static duet_scene *create_placed(const duet_large_pose *placed, uint32_t n, uint
         return NULL;
     duet_pose *poses = calloc(n > 0 ? n : 1, sizeof *poses);
     if (!poses)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%u poses: no memory", n);
+        return null_no_memory(err, "%u poses", n);
     for (uint32_t i = 0; i < n; ++i)
         poses[i] = placed[i].pose;
     duet_scene *scene = create(DUET_SHAPE_POSES, placed ? poses : NULL, n, dims, err);

@@ -51,7 +51,7 @@ bool scene_fill_bodies(duet_scene *scene, duet_error *err)
         return true;
     scene->bodies = calloc((size_t)scene->info.n + 1, sizeof *scene->bodies);
     if (!scene->bodies)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", scene->info.n);
+        return no_memory(err, "%u bodies", scene->info.n);
     for (uint32_t id = 0; id < scene->info.n; ++id)
         scene->bodies[id] = scene->body;
     for (uint32_t i = 0; i < scene->n_given; ++i) {

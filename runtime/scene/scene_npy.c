@@ -320,7 +320,7 @@ static bool add_objects(duet_scene *scene, const npy *file, duet_error *err)
     uint64_t kept = scene->defers ? 1 : scene->end - scene->first;
     kept = n * scene->per_row < kept ? n * scene->per_row : kept;
     unsigned char *rows = malloc((size_t)ROWS_AT_ONCE * file->shape[1] * file->item_bytes);
-    bool ok = rows || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", file->path);
+    bool ok = rows || no_memory(err, "%s", file->path);
     ok = ok &&
          scene_set_columns(scene, (uint32_t)file->shape[1], (scene_place){.path = file->path}, err);
     ok = ok && scene_reserve(scene, kept, err);
@@ -339,7 +339,7 @@ bool scene_read_npy(duet_scene *scene, const scene_source *source, duet_error *e
     npy file = {.source = source, .path = source->name};
     size_t length = source->length < HEADER_MOST ? source->length : HEADER_MOST;
     unsigned char *begin = malloc(length + 1);
-    bool ok = begin || error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", file.path);
+    bool ok = begin || no_memory(err, "%s", file.path);
     ok = ok && fetch(&file, 0, begin, length, err) && cut_parts(&file, begin, length, err) &&
          read_header(&file, err) && check_size(&file, scene, err) && add_objects(scene, &file, err);
     free(begin);

@@ -35,7 +35,7 @@ bool scene_set_origin(duet_scene *scene, const duet_large_pose *given, double ed
         return false;
     duet_large_pose *placed = calloc(n > 0 ? n : 1, sizeof *placed);
     if (!placed)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u placed poses: no memory", n);
+        return no_memory(err, "%u placed poses", n);
     duet_pose *poses = scene->rounded = scene->objects;
     scene->objects = placed;
     bool ok = true;

@@ -15,8 +15,7 @@ bool scene_begin_radii(duet_scene *scene, duet_error *err)
 {
     if (!scene->radii)
         scene->radii = calloc(scene->capacity, sizeof *scene->radii);
-    return scene->radii || error_set(err, DUET_STATUS_NO_MEMORY, "%llu radii: no memory",
-                                     (unsigned long long)scene->capacity);
+    return scene->radii || no_memory(err, "%llu radii", (unsigned long long)scene->capacity);
 }
 
 bool scene_reserve_radii(duet_scene *scene, uint64_t n, duet_error *err)
@@ -25,8 +24,7 @@ bool scene_reserve_radii(duet_scene *scene, uint64_t n, duet_error *err)
         return true;
     float *radii = realloc(scene->radii, n * sizeof *radii);
     if (!radii)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%llu radii: no memory",
-                         (unsigned long long)n);
+        return no_memory(err, "%llu radii", (unsigned long long)n);
     scene->radii = radii;
     return true;
 }
@@ -61,7 +59,7 @@ bool scene_join_radii(duet_scene *scene, duet_shape shape, duet_error *err)
     size_t bytes = (n > 0 ? n : 1) * each;
     void *objects = budget_space(bytes, err) ? malloc(bytes) : NULL;
     if (!objects)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%u objects of %zu bytes: no memory", n, each);
+        return no_memory(err, "%u objects of %zu bytes", n, each);
     for (uint32_t i = 0; i < n; ++i)
         make_rounded(scene, i, objects);
     if (shape == DUET_SHAPE_SPHERES)

@@ -11,8 +11,7 @@ duet_pair *sorted_pairs_of(const duet_result *result, duet_error *err)
 {
     duet_pair *pairs = calloc(result->pairs + 1, sizeof *pairs);
     if (!pairs)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%" PRIu64 " pairs: no memory",
-                          result->pairs);
+        return null_no_memory(err, "%" PRIu64 " pairs", result->pairs);
     for (uint64_t i = 0; i < result->pairs; ++i)
         pairs[i] = duet_result_get_pair(result, i);
     qsort(pairs, result->pairs, sizeof *pairs, compare_uint32_pair);

@@ -174,6 +174,5 @@ bool duet_world_explain_profile(duet_world *world, const char *path, char **why,
     bool ok = profile_subject_look(path, &request, &found, &lines, err) && text_ok(&lines, err);
     *why = ok ? strdup(text_chars(&lines)) : NULL;
     text_free(&lines);
-    return ok &&
-           (*why || error_set(err, DUET_STATUS_NO_MEMORY, "the reasons for a profile: no memory"));
+    return ok && (*why || no_memory(err, "the reasons for a profile"));
 }

@@ -286,7 +286,7 @@ static void *copy_bodies(const duet_motion *m, duet_object_kind kind, duet_error
     for (uint32_t i = 0; boxes && i < m->n; ++i)
         boxes[i] = (duet_rounded_box){.pose = m->poses[i], .radius = m->bodies[i].radius};
     if (!large && !boxes)
-        error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %u bodies", m->n);
+        no_memory(err, "%u bodies", m->n);
     return large ? (void *)large : boxes;
 }
 

@@ -144,7 +144,7 @@ duet_task *duet_task_create(const duet_task_def *def, duet_error *err)
         return NULL;
     duet_task *t = calloc(1, sizeof *t);
     if (!t)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "no memory for a task");
+        return null_no_memory(err, "a task");
     if (open(t, def, __func__, err))
         return t;
     duet_task_destroy(t);

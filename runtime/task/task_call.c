@@ -34,10 +34,11 @@ static bool check_array(const task_call *c, const task *t, const task_arg *arg, 
     if (strncmp(card->type, arg->type, n) != 0 || strcmp(card->type + n, " *") != 0)
         return bad_input(err, "%s: args.%s is an array of %s; the card of %s has '%s'", t->path,
                          arg->name, arg->type, c->kernel, card->type);
-    if (card->is_const == task_arg_is_written(arg))
+    bool is_read = card->memory != GEN_WRITTEN;
+    if (is_read == task_arg_is_written(arg))
         return bad_input(err, "%s: args.%s: access is %s, but the card of %s says that it is %s",
                          t->path, arg->name, task_access_name(arg->access), c->kernel,
-                         card->is_const ? "const" : "written; expected const in the card");
+                         is_read ? "const" : "written; expected const in the card");
     return true;
 }
 

@@ -238,9 +238,7 @@ static bool take_names(task *t, const duet_task_def *def, duet_error *err)
     text_add(&path, "the task of kernel %.48s", def->kernel);
     t->path = path.chars;
     t->folder = def->folder ? copy(def->folder, &ok) : NULL;
-    return (ok && text_ok(&path, err)) ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "the task of kernel %.48s: no memory",
-                     def->kernel);
+    return (ok && text_ok(&path, err)) || no_memory(err, "the task of kernel %.48s", def->kernel);
 }
 
 task *task_make(const duet_task_def *def, task_use use, const char *call, duet_error *err)
@@ -249,7 +247,7 @@ task *task_make(const duet_task_def *def, task_use use, const char *call, duet_e
         return NULL;
     task *t = calloc(1, sizeof *t);
     if (!t)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", call);
+        return null_no_memory(err, "%s", call);
     task_reading r = {.task = t, .use = use};
     if (take_names(t, def, err) && read(&r, def, err) && take_arrays(t, def, use, err))
         return t;

@@ -49,7 +49,7 @@ static bool make(task_side *s, const task_arg *arg, guarded *g, duet_error *err)
     cl_int code = CL_SUCCESS;
     g->seen = malloc(whole_bytes(arg));
     if (!g->seen)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for guards of %s", arg->name);
+        return no_memory(err, "guards of %s", arg->name);
     if (!buffer_reserve(&g->whole, s->side.device, whole_bytes(arg), err))
         return false;
     g->array = clCreateSubBuffer(g->whole.mem, CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION,

@@ -375,7 +375,7 @@ task_launcher *task_launcher_open_unchecked(task *t, duet_device_pair *pair, due
 {
     task_launcher *l = calloc(1, sizeof *l);
     if (!l)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "task %s: no memory", t->name);
+        return null_no_memory(err, "task %s", t->name);
     l->task = t;
     if (open(l, pair, err))
         return l;

@@ -214,7 +214,7 @@ static bool take_path(task *t, const char *path, duet_error *err)
     t->path = malloc(strlen(path) + 1);
     t->folder = malloc(folder + 2);
     if (!t->path || !t->folder)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
+        return no_memory(err, "%s", path);
     snprintf(t->path, strlen(path) + 1, "%s", path);
     snprintf(t->folder, folder + 2, "%.*s", (int)folder, slash ? path : ".");
     return true;
@@ -242,7 +242,7 @@ static task *load(task_reading *r, const char *path, duet_error *err)
     task *t = r->task = calloc(1, sizeof *t);
     text chars = {0};
     if (!t)
-        return error_null(err, DUET_STATUS_NO_MEMORY, "%s: no memory", path);
+        return null_no_memory(err, "%s", path);
     bool ok = take_path(t, path, err) && text_read_lines(&chars, path, err);
     if (ok && text_ends_with(path, ".cl"))
         ok = bad_input(err, "%s: the text of a kernel; expected a task file, which names it", path);

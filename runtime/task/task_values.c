@@ -56,12 +56,12 @@ bool task_values_make(task_values *v, task_scalar scalar, uint64_t n, duet_error
     size_t bytes = scalars[scalar].bytes;
     *v = (task_values){.scalar = scalar, .n = n, .size = (size_t)n * bytes};
     if (n > SIZE_MAX / 2 / bytes)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %" PRIu64 " numbers", n);
+        return no_memory(err, "%" PRIu64 " numbers", n);
     if (!budget_space(v->size, err))
         return false;
     if (posix_memalign(&v->bytes, PAGE, v->size) != 0) {
         v->bytes = NULL;
-        return error_set(err, DUET_STATUS_NO_MEMORY, "no memory for %" PRIu64 " numbers", n);
+        return no_memory(err, "%" PRIu64 " numbers", n);
     }
     memset(v->bytes, 0, v->size);
     return true;

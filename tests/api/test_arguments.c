@@ -1118,9 +1118,9 @@ static void make_worlds(void)
 {
     duet_world_def def = duet_default_world_def();
     world = make_world(def);
-    def.separate_sizes = true;
+    def.pose_form = DUET_POSE_TRANSFORM;
     apart_world = make_world(def);
-    def.separate_sizes = false;
+    def.pose_form = DUET_POSE_WHOLE;
     def.origin_edge = 1.0f;
     placed_world = make_world(def);
     def.origin_edge = 0.0f;

@@ -226,7 +226,7 @@ static void steps_are_those_of_the_host(duet_device_pair *pair, duet_world_def d
     duet_world *host = make_world(pair, def), *world = make_world(pair, def);
     const given apart = {DUET_OBJECT_SIZES, sizeof *sizes, sizes};
     must(duet_world_set_objects(host, g.kind, g.rows, N, ERR));
-    if (def.separate_sizes || def.compact_transforms) {
+    if (def.pose_form) {
         must(duet_world_set_objects(host, DUET_OBJECT_SIZES, sizes, N, ERR));
         set_by_buffer(world, apart);
     }
@@ -251,13 +251,13 @@ static void every_kind(duet_device_pair *pair, uint32_t dims)
     if (dims == 2)
         return;
     def.shape = DUET_SHAPE_POSES;
-    def.separate_sizes = true;
+    def.pose_form = DUET_POSE_TRANSFORM;
     steps_are_those_of_the_host(pair, def,
                                 (given){DUET_OBJECT_TRANSFORMS, sizeof *transforms, transforms});
-    def.compact_transforms = true;
+    def.pose_form = DUET_POSE_COMPACT;
     steps_are_those_of_the_host(pair, def,
                                 (given){DUET_OBJECT_COMPACT_TRANSFORMS, sizeof *compact, compact});
-    def.separate_sizes = def.compact_transforms = false;
+    def.pose_form = DUET_POSE_WHOLE;
     def.origin_edge = 4.0f;
     steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_LARGE_POSES, sizeof *large, large});
 }
@@ -299,7 +299,7 @@ TEST(devices_with_memory_of_their_own_find_the_same)
         set_host_memory(pair, i, false);
         steps_are_those_of_the_host(pair, def, (given){DUET_OBJECT_POSES, sizeof *poses, poses});
         duet_world_def apart = def;
-        apart.compact_transforms = true;
+        apart.pose_form = DUET_POSE_COMPACT;
         steps_are_those_of_the_host(
             pair, apart, (given){DUET_OBJECT_COMPACT_TRANSFORMS, sizeof *compact, compact});
         set_host_memory(pair, true, true);

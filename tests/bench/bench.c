@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-// duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] [--pair A,B] [--task T]
-// [--strategy S] [--seconds S] [--verify]
+// duet_bench NAME [--n N] [--runs K] [--seed S] [--pair A,B] [--task T] [--strategy S]
+// [--seconds S]
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
-
-#include "runtime/scene/reference.h"
 
 #include <time.h>
 #include <unistd.h>
@@ -31,7 +29,7 @@ void bench_fail(void)
 void *bench_alloc(size_t bytes)
 {
     void *zeros = calloc(1, bytes + 1);
-    must(zeros || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %zu bytes", bytes));
+    must(zeros || no_memory(ERR, "%zu bytes", bytes));
     return zeros;
 }
 
@@ -52,19 +50,14 @@ duet_device_pair *bench_pair(const bench_options *options)
     return must(duet_device_pair_create(&def, ERR));
 }
 
-float paper_world(uint32_t n)
-{
-    return (float)cbrt(8.0 * n);
-}
-
 duet_pose *bench_poses(uint32_t n, const bench_options *options)
 {
     enum { PAGE = 4096 };
     size_t bytes = ((size_t)n * sizeof(duet_pose) + PAGE) / PAGE * PAGE;
     duet_pose *poses = aligned_alloc(PAGE, bytes);
     rng r = rng_seed(options->seed);
-    double world = paper_world(n);
-    must(poses || error_set(ERR, DUET_STATUS_NO_MEMORY, "no memory for %u objects", n));
+    float world = (float)cbrt(8.0 * n);
+    must(poses || no_memory(ERR, "%u objects", n));
     for (uint32_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
             poses[i].centre[k] = (float)rng_between(&r, 0, world);
@@ -119,38 +112,10 @@ void bench_sides_run(bench_side *sides, uint32_t n, uint32_t runs)
             run_side(&sides[i], run > 0);
 }
 
-static uint64_t spans_hash(const duet_span *spans, uint32_t n_spans, uint64_t *n_pairs)
-{
-    uint64_t hash = 0;
-    *n_pairs = 0;
-    for (uint32_t i = 0; i < n_spans; ++i) {
-        hash += duet_pairs_hash(spans[i].pairs, spans[i].n);
-        *n_pairs += spans[i].n;
-    }
-    return hash;
-}
-
-void bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans)
-{
-    reference_objects objects = {.dims = 3, .shape = DUET_SHAPE_POSES, .n = n, .poses = poses};
-    reference_found found = {0};
-    must(reference_find(&objects, REFERENCE_COLUMNS, &found, ERR));
-    uint64_t n_pairs;
-    uint64_t hash = spans_hash(spans, n_spans, &n_pairs);
-    uint64_t expected = duet_pairs_hash(found.pairs, found.n);
-    duet_free(found.pairs);
-    must((n_pairs == found.n && hash == expected) ||
-         error_set(ERR, DUET_STATUS_WRONG_RESULT,
-                   "%" PRIu64 " pairs with hash %016" PRIx64 ", the reference finds %" PRIu64
-                   " with %016" PRIx64,
-                   n_pairs, hash, found.n, expected));
-    printf("verified: %" PRIu64 " pairs, hash %016" PRIx64 "\n", n_pairs, hash);
-}
-
 static int usage(void)
 {
-    fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--device D] "
-                    "[--pair A,B] [--task T] [--strategy S] [--seconds S] [--verify]\n");
+    fprintf(stderr, "usage: duet_bench NAME [--n N] [--runs K] [--seed S] [--pair A,B] "
+                    "[--task T] [--strategy S] [--seconds S]\n");
     for (int i = 0; i < N_BENCHES; ++i)
         fprintf(stderr, "  %-10s %s\n", benches[i].name, benches[i].about);
     return 2;
@@ -181,10 +146,6 @@ static bool read_option(const char *name, char *value, bench_options *options)
     uint64_t number = 0;
     if (strcmp(name, "--pair") == 0)
         return read_pair(value, options);
-    if (strcmp(name, "--device") == 0) {
-        options->device = value;
-        return value != NULL;
-    }
     if (strcmp(name, "--task") == 0) {
         options->task = value;
         return value != NULL;
@@ -212,20 +173,14 @@ static bool read_option(const char *name, char *value, bench_options *options)
 
 static bool read_options(char **words, bench_options *options)
 {
-    for (; *words; ++words) {
-        if (strcmp(*words, "--verify") == 0)
-            options->verify = true;
-        else if (read_option(words[0], words[1], options))
-            ++words;
-        else
-            return false;
-    }
-    return true;
+    while (*words && read_option(words[0], words[1], options))
+        words += 2;
+    return !*words;
 }
 
 int main(int argc, char **argv)
 {
-    bench_options options = {.device = "pocl:0", .runs = 21, .seed = 1};
+    bench_options options = {.runs = 21, .seed = 1};
     if (argc < 2 || !read_options(argv + 2, &options))
         return usage();
     for (int i = 0; i < N_BENCHES; ++i) {

@@ -23,7 +23,6 @@
 #include <string.h>
 
 typedef struct bench_options {
-    const char *device;   // selector of the one device
     const char *device_a; // selectors of two; NULL: the default device pair
     const char *device_b;
     const char *task;     // one of the example tasks; NULL: all
@@ -32,16 +31,11 @@ typedef struct bench_options {
     uint32_t runs;        // runs of each side
     double seconds;       // the most that brute force may take; 0: any
     uint64_t seed;
-    bool verify; // compare with the reference first
 } bench_options;
 
 // X(name, what it compares) for each benchmark.
 // clang-format off
 #define BENCHES(X)                                                                               \
-    X(share, "two devices against the better one, each way to split")                            \
-    X(step, "a whole step and its stages, against the AVX2 program and the paper's kernels")      \
-    X(still, "what effects cost a scene that calls for none")                                    \
-    X(growth, "time an object, up to --n objects")                                               \
     X(commands, "bodies that come and go before each step, and the same only woken")             \
     X(cost, "processor time and instructions of a step of six scenes, for .ci/cost")             \
     X(generate, "the text of each kernel, and its number of configs")                            \
@@ -52,7 +46,6 @@ typedef struct bench_options {
     X(rays, "a tree over the paper's scene, and as many rays through it")                        \
     X(spheres, "a million equal spheres, and as many unrotated cubes in their places")           \
     X(pairs, "searches for kernels and share on invented device pairs")                         \
-    X(tune, "searches for the share on this machine, one device slowed down")                    \
     X(tasks, "kernels and share of the example tasks, by each strategy and by all plans")        \
     X(strategies, "searches for the share on invented device pairs")
 #define BENCH_DECLARE(name, about) void bench_##name(const bench_options *options);
@@ -81,17 +74,9 @@ duet_device_pair *bench_pair(const bench_options *options);
 // The scene of the paper's measurements: n unit cubes with random centres and rotations in a cube
 // that holds one for every eight units of its volume. Given back by free.
 duet_pose *bench_poses(uint32_t n, const bench_options *options);
-float paper_world(uint32_t n); // edge of the cube [0, edge]^3: 200 for a million
-
-// A rotated unit cube is at most sqrt(3) wide; a little more, so that rounding
-// never makes it wider than its cell.
-#define PAPER_CELL 1.7321f
 
 // A world with the plan of its def on that pair.
 duet_world *bench_world(duet_device_pair *pair, duet_world_def def);
-
-// Fails unless spans hold exactly the pairs that the reference finds.
-void bench_verify(const duet_pose *poses, uint32_t n, const duet_span *spans, uint32_t n_spans);
 
 // A folder below the one one is in, and paths of files in it, which go with it.
 typedef struct bench_folder {

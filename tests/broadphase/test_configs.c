@@ -104,8 +104,8 @@ typedef struct scene {
     bool rotated;
     duet_level level;
     bool hashed, levels, roomy, packed;
-    bool apart, compact; // sizes are, and transforms are
-    bool fixed;          // its cells are compiled in
+    duet_pose_form form;
+    bool fixed; // its cells are compiled in
     uint32_t n;
     duet_pose poses[OBJECTS];
     duet_bounds bounds[OBJECTS];
@@ -129,7 +129,7 @@ static duet_pose random_pose(const scene *s, rng *r)
     for (int k = 0; s->rotated && k < 4; ++k)
         p.rotation[k] = (float)rng_normal(r);
     // Compact ones are these very numbers.
-    for (int k = 0; s->rotated && s->compact && k < 4; ++k)
+    for (int k = 0; s->rotated && s->form == DUET_POSE_COMPACT && k < 4; ++k)
         p.rotation[k] = k < 3 ? 32767.0f - (float)rng_below(r, 65535) : 32767.0f;
     return p;
 }
@@ -151,8 +151,7 @@ static void make_scene(scene *s, const config *c, rng *r)
         .hashed = value_of(c, "GRID", 0),
         .levels = value_of(c, "LEVELS", 0),
         .packed = value_of(c, "PACKED", 0),
-        .apart = value_of(c, "APART", 0) > 0,
-        .compact = value_of(c, "APART", 0) == 2,
+        .form = (duet_pose_form)value_of(c, "APART", 0),
     };
     int64_t bounds = strcmp(c->kernel, "pair_search_paper") == 0 ? value_of(c, "IDS", 0) : 0;
     s->shape = (duet_shape)value_of(c, "SHAPE", bounds);
@@ -238,8 +237,7 @@ static duet_world *open_world(const scene *s, const duet_plan *plan)
     def.shape = s->shape;
     def.rotated = s->rotated;
     def.level = s->level;
-    def.separate_sizes = s->apart;
-    def.compact_transforms = s->compact;
+    def.pose_form = s->form;
     def.plan = *plan;
     for (int side = 0; side < 2; ++side)
         default_pair()->devices[side].info.host_memory = !s->packed;

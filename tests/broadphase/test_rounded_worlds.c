@@ -206,11 +206,8 @@ TEST(what_knows_no_radii_says_so)
 {
     duet_world_def def = def_of(&scenes[3], DUET_LEVEL_CERTIFIED, DUET_MODE_OWN, 0, "simd");
     duet_world_def other = def;
-    other.separate_sizes = true;
-    refuse(other, "separate_sizes is for poses; expected false for spheres");
-    other = def;
-    other.compact_transforms = true;
-    refuse(other, "compact_transforms is for poses; expected false for spheres");
+    other.pose_form = DUET_POSE_COMPACT;
+    refuse(other, "pose_form is for poses; expected DUET_POSE_WHOLE for spheres");
     other = def;
     other.origin_edge = 1.0f;
     refuse(other, "origin cells are for poses; expected an origin_edge of 0 for spheres");

@@ -47,8 +47,7 @@ static duet_world *make_world(uint32_t dims, duet_mode mode, const char *text)
 {
     duet_world_def def = devices_def(dims);
     def.plan = plan_of(mode, DUET_SHARE_ONE / 3, text, text);
-    def.separate_sizes = !compact;
-    def.compact_transforms = compact;
+    def.pose_form = compact ? DUET_POSE_COMPACT : DUET_POSE_TRANSFORM;
     return create_world(&def);
 }
 
@@ -347,7 +346,7 @@ TEST(sizes_that_were_not_fetched_are_none)
 
 static void refuse(duet_world_def def, const char *why)
 {
-    def.separate_sizes = true;
+    def.pose_form = DUET_POSE_TRANSFORM;
     must_fail(duet_world_create(&def, ERR), DUET_STATUS_BAD_ARGUMENT, why);
 }
 
@@ -355,11 +354,15 @@ TEST(only_what_has_sizes_has_them_apart)
 {
     duet_world_def def = devices_def(3);
     duet_world_def other = def;
+    other.pose_form = (duet_pose_form)7;
+    must_fail(duet_world_create(&other, ERR), DUET_STATUS_BAD_ARGUMENT,
+              "pose_form is 7; expected a duet_pose_form");
+    other = def;
     other.shape = DUET_SHAPE_BOUNDS;
-    refuse(other, "separate_sizes is for poses");
+    refuse(other, "pose_form is for poses");
     other = def;
     other.origin_edge = 1.0f;
-    refuse(other, "separate_sizes is for poses");
+    refuse(other, "pose_form is for poses");
     other = def;
     strcpy(other.plan.variant_b, "paper");
     refuse(other, "the paper's search knows no sizes apart");

@@ -345,9 +345,9 @@ static void worlds_that_are_wrong_are_refused(duet_cluster *of)
     duet_cluster_def wrong = duet_default_cluster_def();
     wrong.comm = &of->ranks.comm;
     wrong.plain = true;
-    wrong.world.compact_transforms = true; // else they would be taken for poses
+    wrong.world.pose_form = DUET_POSE_COMPACT; // else they would be taken for poses
     REFUSED(duet_cluster_create(&wrong, ERR));
-    wrong.world.compact_transforms = false;
+    wrong.world.pose_form = DUET_POSE_WHOLE;
     wrong.world.shape = (duet_shape)99;
     REFUSED(duet_cluster_create(&wrong, ERR));
     wrong.world.shape = DUET_SHAPE_POSES;

@@ -88,7 +88,7 @@ bool __wrap_buffer_reserve(buffer *b, const device *d, size_t bytes, duet_error 
     size_t whole = rounded(bytes, GUARD_BYTES) + 2 * (size_t)GUARD_BYTES;
     fence f = {.memory = aligned_alloc(GUARD_BYTES, whole), .bytes = bytes};
     if (!f.memory)
-        return error_set(err, DUET_STATUS_NO_MEMORY, "a guarded buffer: no memory");
+        return no_memory(err, "a guarded buffer");
     memset(f.memory, PATTERN, whole);
     if (!__real_buffer_borrow(b, d, f.memory + GUARD_BYTES, bytes, err)) {
         free(f.memory);

@@ -240,7 +240,7 @@ holds("a tree of a motion has its bodies, with radii or without", function()
 end)
 
 holds("sizes apart from transforms have the same pairs", function()
-  local world <close> = assert(pair:world { separate_sizes = true })
+  local world <close> = assert(pair:world { pose_form = "transforms" })
   local sizes = assert(world:map_sizes(#three))
   local transforms = assert(world:map_transforms(#three))
   for place, x, y, z, hx, hy, hz, qx, qy, qz, qw in three:each() do
@@ -253,7 +253,7 @@ holds("sizes apart from transforms have the same pairs", function()
 end)
 
 holds("compact transforms have the pairs of their poses", function()
-  local world <close> = assert(pair:world { compact_transforms = true })
+  local world <close> = assert(pair:world { pose_form = "compact" })
   local sizes = assert(world:map_sizes(#three))
   local transforms = assert(world:map_compact_transforms(#three))
   for place, x, y, z, hx, hy, hz in three:each() do
