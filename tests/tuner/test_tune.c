@@ -751,7 +751,7 @@ TEST(a_budget_ends_the_search_and_leaves_room_for_a_verdict)
 {
     static const char *const searches[] = {"balance", "fig12", "grid"};
     rng r = rng_seed(test_seed());
-    for (uint32_t i = 0; i < 200; ++i) {
+    for (uint32_t i = 0; i < 2000; ++i) {
         fake whole = {.model = {.ratio = 1}};
         fake f = {.model = {.ratio = 0.3 + 4 * rng_unit(&r), .sigma = 0.03},
                   .strategy = searches[i % 3],
