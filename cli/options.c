@@ -160,7 +160,8 @@ static bool check_operands(const command_line *line, const given_options *given,
     if (n > most)
         return REFUSE(line, "unexpected argument '%s'; 'duet %s --help' shows the form",
                       operands[most], line->name);
-    for (int i = 0; i < n && !line->takes_empty; ++i)
+    const int n_own = line->takes_empty ? 0 : line->rest_is_operands ? n > 0 : n;
+    for (int i = 0; i < n_own; ++i)
         if (!*operands[i])
             return REFUSE(line, "%.*s is ''; 'duet %s --help' says what it is", first, name,
                           line->name);

@@ -15,7 +15,7 @@ static char *copy_string(lua_State *L, const char *chars)
     size_t bytes = strlen(chars) + 1;
     char *copy = malloc(bytes);
     if (!copy)
-        luaL_error(L, "no memory");
+        script_lacks_memory(L);
     return memcpy(copy, chars, bytes);
 }
 
@@ -66,7 +66,7 @@ static void read_values(lua_State *L, const field *f, void *at)
         field_refuse(L, f, "a list of 1 to 1000 whole numbers");
     int64_t *values = malloc(n * sizeof *values);
     if (!values)
-        luaL_error(L, "no memory");
+        script_lacks_memory(L);
     param->values = values;
     for (lua_Unsigned i = 1; i <= n; ++i) {
         lua_rawgeti(L, -1, (lua_Integer)i);

@@ -60,9 +60,9 @@ static bool list_folder(gen *g, const char *inner, duet_error *err)
 {
     text path = {0};
     text_add(&path, "%s/%s", g->dir, inner);
-    DIR *dir = opendir(text_chars(&path));
+    bool ok = text_ok(&path, err);
+    DIR *dir = ok ? opendir(path.chars) : NULL;
     text_free(&path);
-    bool ok = true;
     for (struct dirent *entry; dir && ok && (entry = readdir(dir));) {
         text file = {0};
         text_add(&file, "%s%s", inner, entry->d_name);

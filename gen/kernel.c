@@ -7,6 +7,7 @@
 #include "base/blob.h"
 #include "base/text_file.h"
 
+#include <limits.h>
 #include <sha256.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,11 +21,9 @@ enum { FILE_SIZE = sizeof((kernel *)0)->name + sizeof((kernel *)0)->folder + 8 }
 
 static bool file_exists(const char *dir, const char *file)
 {
-    text path = {0};
-    text_add(&path, "%s/%s", dir ? dir : "kernels", file);
-    bool exists = dir ? access(text_chars(&path), F_OK) == 0 : blob_find(text_chars(&path)) != NULL;
-    text_free(&path);
-    return exists;
+    char path[PATH_MAX];
+    const int n = snprintf(path, sizeof path, "%s/%s", dir ? dir : "kernels", file);
+    return n < PATH_MAX && (dir ? access(path, F_OK) == 0 : blob_find(path) != NULL);
 }
 
 // Appends a file of the kernels' folder, and tells its path.

@@ -63,6 +63,8 @@ static bool report_limit(script *s, duet_status status, duet_error *err)
     const char *place = *s->place ? s->place : s->name.chars;
     if (s->passed == STOP)
         return error_set(err, DUET_STATUS_INTERRUPTED, "%s: stopped", place);
+    if (s->passed == HOST_MEMORY)
+        return error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory", place);
     if (s->passed == INSTRUCTIONS)
         return error_set(err, status,
                          "%s: runs for more than the %" PRIu64 " instructions it may take", place,

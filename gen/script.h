@@ -55,6 +55,9 @@ const char *script_chunk(lua_State *L, const char **name);
 // enough. C functions call it whose work a script can choose.
 void script_spend(lua_State *L, uint64_t instructions);
 
+// Ends the running call with NO_MEMORY. A C function calls it that gets none for what it reads.
+void script_lacks_memory(lua_State *L);
+
 // Makes the status that of the errors that follow, and returns the one before. A C function
 // that finds text of its caller's wrong uses it; a script's own errors are limits.failure.
 duet_status script_set_failure(lua_State *L, duet_status status);

@@ -107,6 +107,12 @@ void script_spend(lua_State *L, uint64_t instructions)
         raise_limit(L);
 }
 
+void script_lacks_memory(lua_State *L)
+{
+    pass(script_of(L), HOST_MEMORY);
+    raise_limit(L);
+}
+
 static int hook_interval(const script *s)
 {
     int interval = HOOK_INSTRUCTIONS;
@@ -181,6 +187,8 @@ static void *take_block(script *s, void *at, size_t old_bytes, size_t bytes)
     void *moved = realloc(at, bytes);
     if (moved)
         s->used_bytes = s->used_bytes - old_bytes + bytes;
+    else
+        pass(s, HOST_MEMORY);
     return moved;
 }
 

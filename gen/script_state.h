@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "gen/script.h"
 
-typedef enum passed { NOTHING, INSTRUCTIONS, TIME, STOP } passed;
+typedef enum passed { NOTHING, INSTRUCTIONS, TIME, STOP, HOST_MEMORY } passed;
 
 struct script {
     lua_State *lua;

@@ -2,6 +2,7 @@
 #include "gen/signature.h"
 #include "base/list.h"
 #include "gen/field_line.h"
+#include "gen/script.h"
 
 #include <lauxlib.h>
 #include <stdio.h>
@@ -162,7 +163,7 @@ void signature_read(lua_State *L, signature **list, uint32_t *n)
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
         signature *grown = list_room(*list, *n, sizeof **list, NULL);
         if (!grown)
-            luaL_error(L, "no memory");
+            script_lacks_memory(L);
         *list = grown;
         grown[*n] = (signature){0};
         read_entry(L, &grown[(*n)++]);

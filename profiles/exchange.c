@@ -281,16 +281,24 @@ static bool read_line(FILE *file, text *line)
     return line->length > 0 || line->failed;
 }
 
+// What no line can be; NULL: it may be one.
+static const char *what_is_wrong(const text *line)
+{
+    return line->length > TEXT_LINE_MOST        ? "is longer than 16 MiB"
+           : strlen(line->chars) < line->length ? "has a NUL byte"
+                                                : NULL;
+}
+
 static bool take_file(import *in, FILE *file, duet_error *err)
 {
     text line = {0};
     bool ok = true;
     while (ok && read_line(file, &line)) {
-        const char *wrong = !text_ok(&line, NULL)              ? "is too long for the memory"
-                            : line.length > TEXT_LINE_MOST     ? "is longer than 16 MiB"
-                            : strlen(line.chars) < line.length ? "has a NUL byte"
-                                                               : NULL;
-        ok = wrong ? (++in->line, bad_line(in, err, wrong, "")) : take_line(in, line.chars, err);
+        ok = text_ok(&line, err);
+        const char *wrong = ok ? what_is_wrong(&line) : NULL;
+        if (wrong)
+            ++in->line, ok = bad_line(in, err, wrong, "");
+        ok = ok && take_line(in, line.chars, err);
     }
     if (ok && ferror(file))
         ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be read: %s", in->name,

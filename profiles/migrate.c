@@ -23,9 +23,12 @@
 static bool make_folders(const char *path, duet_error *err)
 {
     text failed = {0};
-    bool ok = output_make_folders(path, 0755, &failed) ||
-              error_set(err, DUET_STATUS_STORE_FAILED, "%s: its folder %s cannot be made: %s", path,
-                        text_chars(&failed), strerror(errno));
+    bool ok = output_make_folders(path, 0755, &failed);
+    if (!ok && errno == ENOMEM)
+        error_set(err, DUET_STATUS_NO_MEMORY, "%s: no memory to make its folder", path);
+    else if (!ok)
+        error_set(err, DUET_STATUS_STORE_FAILED, "%s: its folder %s cannot be made: %s", path,
+                  text_chars(&failed), strerror(errno));
     text_free(&failed);
     return ok;
 }

@@ -213,8 +213,8 @@ void sql_add_names(text *t, const char *prefix, const sql_column *columns)
 
 sql sql_make_text(store *s, text *statement, duet_error *err)
 {
-    sql q = sql_make(s, text_chars(statement), err);
-    q.failed = !text_ok(statement, err) || q.failed;
+    sql q = text_ok(statement, err) ? sql_make(s, text_chars(statement), err)
+                                    : (sql){.s = s, .err = err, .failed = true};
     text_free(statement);
     return q;
 }

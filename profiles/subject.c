@@ -3,12 +3,15 @@
 #define _POSIX_C_SOURCE 200809L
 #include "profiles/subject.h"
 
-#include "base/text_file.h"
+#include "base/text.h"
 #include "profiles/sql.h"
 
 #include <assert.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <sha256.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,21 +21,18 @@
 
 // ---------------------------------------------------------------- devices
 
-static void add_field(text *t, const char *name, const char *value)
+static void add_field(SHA256_CTX *sum, const char *name, const char *value)
 {
-    text_add(t, "%s=%s\n", name, value ? value : "");
+    const char *const parts[] = {name, "=", value ? value : "", "\n"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        SHA256Update(sum, (const uint8_t *)parts[i], strlen(parts[i]));
 }
 
-static void add_number(text *t, const char *name, uint64_t value)
+static void add_number(SHA256_CTX *sum, const char *name, uint64_t value)
 {
-    text_add(t, "%s=%" PRIu64 "\n", name, value);
-}
-
-// Gives the text back.
-static void close_key(text *t, char key[PROFILE_SHA])
-{
-    profile_sha(text_chars(t), t->length, key);
-    text_free(t);
+    char digits[24];
+    snprintf(digits, sizeof digits, "%" PRIu64, value);
+    add_field(sum, name, digits);
 }
 
 // A host's memory varies with what else is set up on it, a card's is its own.
@@ -43,40 +43,43 @@ static uint64_t own_bytes(const profile_device *device)
 
 void profile_device_key(const profile_device *device, char key[PROFILE_SHA])
 {
-    text t = {0};
-    add_field(&t, "kind", device->kind);
-    add_field(&t, "vendor", device->vendor);
-    add_field(&t, "name", device->name);
-    add_field(&t, "arch", device->arch);
-    add_number(&t, "units", device->units);
-    add_number(&t, "max_group", device->max_group);
-    add_number(&t, "local_bytes", device->local_bytes);
-    add_number(&t, "global_bytes", own_bytes(device));
-    close_key(&t, key);
+    SHA256_CTX sum;
+    SHA256Init(&sum);
+    add_field(&sum, "kind", device->kind);
+    add_field(&sum, "vendor", device->vendor);
+    add_field(&sum, "name", device->name);
+    add_field(&sum, "arch", device->arch);
+    add_number(&sum, "units", device->units);
+    add_number(&sum, "max_group", device->max_group);
+    add_number(&sum, "local_bytes", device->local_bytes);
+    add_number(&sum, "global_bytes", own_bytes(device));
+    SHA256End(&sum, key);
 }
 
 static void seat_of(const profile_env *env, char key[PROFILE_SHA])
 {
-    text t = {0};
+    SHA256_CTX sum;
     char device[PROFILE_SHA];
     profile_device_key(&env->device, device);
-    add_field(&t, "device", device);
-    add_field(&t, "platform", env->platform);
-    add_field(&t, "part", env->part);
-    add_number(&t, "part_units", env->part_units);
-    add_field(&t, "limits", env->limits);
-    close_key(&t, key);
+    SHA256Init(&sum);
+    add_field(&sum, "device", device);
+    add_field(&sum, "platform", env->platform);
+    add_field(&sum, "part", env->part);
+    add_number(&sum, "part_units", env->part_units);
+    add_field(&sum, "limits", env->limits);
+    SHA256End(&sum, key);
 }
 
 void profile_env_keys(const profile_env *env, char key[PROFILE_SHA], char seat[PROFILE_SHA])
 {
-    text t = {0};
+    SHA256_CTX sum;
     seat_of(env, seat);
-    add_field(&t, "seat", seat);
-    add_field(&t, "platform_version", env->platform_version);
-    add_field(&t, "driver", env->driver);
-    add_field(&t, "cl_version", env->cl_version);
-    close_key(&t, key);
+    SHA256Init(&sum);
+    add_field(&sum, "seat", seat);
+    add_field(&sum, "platform_version", env->platform_version);
+    add_field(&sum, "driver", env->driver);
+    add_field(&sum, "cl_version", env->cl_version);
+    SHA256End(&sum, key);
 }
 
 void profile_env_key(const profile_env *env, char key[PROFILE_SHA])
@@ -165,17 +168,26 @@ bool profile_pair_put(store *s, const profile_pair *pair, int64_t *pair_id, duet
     return store_end(s, ok, err);
 }
 
+// Two machines may have one name.
+static ssize_t read_machine_id(char *id, size_t size)
+{
+    const int file = open("/etc/machine-id", O_RDONLY | O_CLOEXEC);
+    const ssize_t n = file < 0 ? 0 : read(file, id, size);
+    if (file >= 0)
+        close(file);
+    return n;
+}
+
 void profile_host(char host[PROFILE_SHA])
 {
-    text t = {0};
-    char name[256] = {0};
+    SHA256_CTX sum;
+    char name[256] = {0}, id[256] = {0};
     gethostname(name, sizeof name - 1);
-    add_field(&t, "host", name);
-    text id = {0}; // two machines may have one name
-    if (text_read_file(&id, "/etc/machine-id", NULL))
-        add_field(&t, "id", text_chars(&id));
-    text_free(&id);
-    close_key(&t, host);
+    SHA256Init(&sum);
+    add_field(&sum, "host", name);
+    if (read_machine_id(id, sizeof id - 1) > 0)
+        add_field(&sum, "id", id);
+    SHA256End(&sum, host);
 }
 
 // ---------------------------------------------------------------- workloads
@@ -201,6 +213,7 @@ static void add_words(text *t, const char *words)
     for (size_t i = 0; i < n; ++i)
         if (i == 0 || strcmp(list[i], list[i - 1]) != 0)
             text_add(t, i == 0 ? "%s" : " %s", list[i]);
+    t->failed = t->failed || copy.failed;
     text_free(&copy);
 }
 
@@ -371,7 +384,7 @@ static bool workload_is_right(const sql *q, duet_error *err)
     bool right = profile_workload_key(&w, key, err);
     if (right) {
         profile_workload_family(&w, &family);
-        right = strcmp(key, sql_get_text(q, rest)) == 0 &&
+        right = text_ok(&family, err) && strcmp(key, sql_get_text(q, rest)) == 0 &&
                 strcmp(text_chars(&family), sql_get_text(q, rest + 1)) == 0;
     }
     text_free(&family);
@@ -417,11 +430,10 @@ bool key_check(store *s, const char *table, int64_t id, bool *right, duet_error 
         sql_add_names(&query, "d.", kinds[k].of_device);
     }
     text_add(&query, "%s WHERE t.id = ?", kinds[k].rest);
-    bool ok = text_ok(&query, err);
-    sql q = sql_make(s, text_chars(&query), err);
+    sql q = sql_make_text(s, &query, err);
     sql_int(&q, id);
     duet_error wrong = {0}; // a field that cannot be is a wrong row and no failure
     *right = sql_row(&q) && kinds[k].is_right(&q, &wrong);
-    text_free(&query);
+    bool ok = wrong.status != DUET_STATUS_NO_MEMORY || error_copy(err, &wrong);
     return sql_close(&q) && ok;
 }

@@ -5,7 +5,10 @@
 
 #include <math.h>
 
-enum { LEAST_SEARCHED = 3 }; // trials of a mode
+enum {
+    LEAST_SEARCHED = 3, // trials of a mode
+    PROBES = 1,         // of A alone, which say whether it races
+};
 
 const race_options trial_budget_quick_race = {
     .least_rounds = 4, .most_rounds = 6, .confidence = 0.85, .dropped = 1};
@@ -53,7 +56,7 @@ static uint32_t count_trials(const tune_problem *problem, uint32_t kernels, bool
     uint32_t searched = searches ? searches->launches : 0;
     uint32_t n = kernels +
                  (variants > 1 ? 2 * variants * rounds(trial_budget_quick_race, likely) + 2 : 0) +
-                 modes * searched + most_rivals(def) * usual +
+                 modes * searched + PROBES + most_rivals(def) * usual +
                  (problem->fair ? 5 : 3) * rounds(trial_budget_last_race, likely) +
                  (problem->whole.open ? 2 * usual : 0);
     return def->budget_trials > 0 && def->budget_trials < n ? def->budget_trials : n;
@@ -82,7 +85,7 @@ double trial_budget_end(const tune_problem *problem, double stage_end)
     const duet_tune_def *def = problem->def;
     double all = def->budget_trials;
     double raced = all - least_at_the_end(problem);
-    double searched = fmin(SEARCH_END * raced, raced - LEAST_RACED * most_rivals(def));
+    double searched = fmin(SEARCH_END * raced, raced - PROBES - LEAST_RACED * most_rivals(def));
     if (stage_end <= SEARCH_END)
         return stage_end / SEARCH_END * searched;
     return stage_end < ALL ? raced : all;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The program duet-cluster: one rank of `duet cluster`.
 #include "cli/cluster/rank.h"
+
+#include "base/error.h"
+#include "base/text.h"
 #include "cli/interrupt.h"
 #include "cli/mpirun.h"
 #include "cli/say.h"
@@ -10,6 +13,47 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// ---------------------------------------------------------------- the same words
+
+// The word that begins there; a line break is behind each.
+static said show_word(const char *at)
+{
+    said word = {"nothing"};
+    if (*at)
+        snprintf(word.chars, sizeof word.chars, "'%.*s'", (int)strcspn(at, "\n"), at);
+    return word;
+}
+
+static bool are_same(const char *own, const char *of_rank_0, duet_error *err)
+{
+    size_t at = 0, word = 0;
+    for (; own[at] && own[at] == of_rank_0[at]; ++at)
+        word = own[at] == '\n' ? at + 1 : word;
+    return own[at] == of_rank_0[at] ||
+           bad_argument(err, "%s, where rank 0 has %s; expected the same words on all ranks",
+                        show_word(own + word).chars, show_word(of_rank_0 + word).chars);
+}
+
+// A launcher may start each rank by a command line of its own, and ranks that do not do the same
+// would wait for each other.
+static bool words_agree(char *const *argv, duet_error *err)
+{
+    ranks all;
+    text words = {0};
+    for (; *argv; ++argv)
+        text_add(&words, "%s\n", *argv);
+    char *of_rank_0 = NULL;
+    bool ok = ranks_begin(&all, NULL, NULL, err) && ranks_agree(&all, text_ok(&words, err), err);
+    ok = ok && (of_rank_0 = ranks_broadcast_text(&all, text_chars(&words), err));
+    ok = ok && ranks_agree(&all, are_same(text_chars(&words), of_rank_0, err), err);
+    free(of_rank_0);
+    text_free(&words);
+    ranks_end(&all);
+    return ok;
+}
+
+// ---------------------------------------------------------------- the program
 
 typedef struct rank_arguments {
     cluster_arguments args; // first: the table of options fills it
@@ -55,7 +99,10 @@ int main(int argc, char **argv)
         fputc(MPIRUN_BEGUN, stderr);
     if (rank == 0 && started && strcmp(started, "terminal") == 0)
         say_on_terminal();
-    int status = options_run(&cluster_line, argc, argv, &own, run);
+    duet_error err = {0};
+    int status = words_agree(argv + 1, &err) ? options_run(&cluster_line, argc, argv, &own, run)
+                 : rank == 0                 ? say_failed(&err)
+                                             : say_status(&err);
     status = status == EXIT_OK ? own.quiet_status : status;
     MPI_Finalize();
     bool written = say_finish();

@@ -85,7 +85,7 @@ static void read_name(lua_State *L, const field *f, void *at)
     const char *name = NULL;
     field_string.read(L, f, &name);
     if (!scene_set_name(at, name, strlen(name), scene_reading_of(L)->err))
-        luaL_error(L, "name: no memory");
+        script_lacks_memory(L);
 }
 
 static void read_dims(lua_State *L, const field *f, void *at)
@@ -190,7 +190,7 @@ static int read_result(lua_State *L)
     lua_pop(L, 1);
     field_read(L, 1, "a scene", fields, reading->scene);
     if (!scene_fill_bodies(reading->scene, reading->err))
-        return luaL_error(L, "no memory");
+        script_lacks_memory(L);
     return 0;
 }
 

@@ -247,7 +247,7 @@ static void add_table(lua_State *L, scene_reading *reading)
     add_row(L, reading, &r);
     if (body.given && reading->scene->info.n > kept &&
         !scene_keep_body(reading->scene, &body, reading->err))
-        luaL_error(L, "object %d: no memory", (int)reading->scene->info.n);
+        script_lacks_memory(L);
 }
 
 int scene_word_add(lua_State *L)

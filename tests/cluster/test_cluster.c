@@ -814,6 +814,32 @@ TEST(a_failure_is_one_line)
                            2, "this is rank 0 of 3 of an MPI job already");
 }
 
+// Starts one program for each rank, as a person can by mpirun itself.
+static program two_programs(const char *first, const char *second)
+{
+    return program_run_with("timeout 60 mpirun --quiet --oversubscribe -n 1",
+                            "cluster %s : -n 1 \"$DUET_PROGRAM\" cluster %s", first, second);
+}
+
+TEST(ranks_of_other_words_are_refused)
+{
+    static const char *const wrong[][3] = {
+        {"still -n 3", "paper -n 3", "'paper', where rank 0 has 'still'"},
+        {"still -n 3", "still -n 4", "'4', where rank 0 has '3'"},
+        {"still -n 3 --repeat 2", "still -n 3", "nothing, where rank 0 has '--repeat'"},
+        {"still -n 3", "still -n 3 --check", "'--check', where rank 0 has nothing"},
+        {"still -n 3", "still -n 3 --papr", "'--papr', where rank 0 has nothing"},
+        {"falling -n 9 --steps 3", "falling -n 9 --steps 5", "'5', where rank 0 has '3'"},
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        program p = two_programs(wrong[i][0], wrong[i][1]);
+        assert_says(p.err, "duet: rank 1 on ", wrong[i][2]);
+        program_assert_refused(p, 2, "; expected the same words on all ranks\n");
+    }
+    assert_true(json_number(json_of_program(two_programs("still -n 3 --json", "still -n 3 --json")),
+                            "objects") == 3);
+}
+
 // mpirun is the program's child, and the ranks are mpirun's. Some seconds later that one would
 // still be at work. It may have no name for a rank that has just been started.
 TEST(a_rank_that_is_killed_ends_the_job_and_leaves_no_file)

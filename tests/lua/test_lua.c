@@ -28,6 +28,8 @@ TEST(text_file_and_arguments_run)
     test_write_file(SCRIPT,
                     "#!/usr/bin/env duet\nprint(arg[0], #arg, arg[1], require 'duet' == duet)\n");
     assert_prints("lua -e 'x = 1' " SCRIPT " --json b", SCRIPT "\t2\t--json\ttrue\n");
+    assert_prints("lua " SCRIPT " '' b", SCRIPT "\t2\t\ttrue\n");
+    program_assert_refused(program_run("lua '' b"), 2, "FILE is ''; 'duet lua --help' says");
 }
 
 TEST(trust_gives_the_whole_language)

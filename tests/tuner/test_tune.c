@@ -638,7 +638,7 @@ TEST(long_launches_are_compared_on_a_part_of_the_items)
         assert_in_range(f.wholes, 2, 8);
         print_message("ratio %.1f, start %.1f ms: %u launches, %.1f s\n", ratio, starts[i / 3],
                       f.launches, f.spent_s);
-        assert_true(f.spent_s < 120); // by all items 200 launches of 5 to 10 s
+        assert_true(f.spent_s < 0.1 * f.launches * 1e-3 * best_ms); // than if all did all items
     }
 }
 
@@ -751,7 +751,7 @@ TEST(a_budget_ends_the_search_and_leaves_room_for_a_verdict)
 {
     static const char *const searches[] = {"balance", "fig12", "grid"};
     rng r = rng_seed(test_seed());
-    for (uint32_t i = 0; i < 200; ++i) {
+    for (uint32_t i = 0; i < 2000; ++i) {
         fake whole = {.model = {.ratio = 1}};
         fake f = {.model = {.ratio = 0.3 + 4 * rng_unit(&r), .sigma = 0.03},
                   .strategy = searches[i % 3],
