@@ -219,8 +219,7 @@ static bool find_column(const duet_motion *m, column *found, duet_error *err)
     free(loads);
     free(columns);
     height_map_close(&map);
-    return ok ||
-           error_set(err, DUET_STATUS_NO_MEMORY, "no memory to see how %u bodies stand", m->n);
+    return ok || no_memory(err, "the columns of %u bodies", m->n);
 }
 
 // ---------------------------------------------------------------- substeps
