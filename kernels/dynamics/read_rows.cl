@@ -3,6 +3,7 @@
 // which rows have changed since they were read last. Rows are words, whatever they hold.
 //
 //   rows, last_rows [n][row_words]
+//   ids             [n_ids] places of rows; NO_PLACE: a row of 0
 //   gathered        [n_ids][row_words]
 //   changed         [(n + 31) / 32] a bit for each row
 __kernel void gather_rows(GATHER_ROWS_ARGS)
@@ -11,7 +12,7 @@ __kernel void gather_rows(GATHER_ROWS_ARGS)
     uint last = min(first + PER_ITEM, n_ids);
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < row_words; ++k)
-            gathered[(size_t)i * row_words + k] = rows[(size_t)ids[i] * row_words + k];
+            gathered[(size_t)i * row_words + k] = ids[i] == NO_PLACE ? 0 : rows[(size_t)ids[i] * row_words + k];
 }
 
 __kernel void changed_rows(CHANGED_ROWS_ARGS)

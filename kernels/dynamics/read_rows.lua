@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "rows of some objects together, and which rows have changed",
-  uses = {},
+  uses = { "dynamics/border.h" },
   params = {
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,

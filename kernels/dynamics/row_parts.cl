@@ -6,9 +6,7 @@
 //   row_parts word at which the first part begins, and how many words are taken; the same of the second
 //   of_four   words that are taken of every four of the first part; the second is taken whole
 //   row_ids   places, each once: [n_ids] from first_id on
-//   ids       [n_ids] places that the rows had
-//   gathered  [n_ids][words of both parts]; or whole rows, for places that bodies get: of the places that they
-//             had, and 0 where NO_PLACE says that they are new
+//   gathered  [n_ids][words of both parts]
 static inline size_t place_of_word(uint id, uint row_words, uint4 parts, uint of_four, uint k)
 {
     uint word = k < parts.y ? parts.x + k / of_four * 4 + k % of_four : parts.z + k - parts.y;
@@ -33,14 +31,4 @@ __kernel void unpack_rows(UNPACK_ROWS_ARGS)
     for (uint i = first; i < last; ++i)
         for (uint k = 0; k < words; ++k)
             rows[place_of_word(row_ids[first_id + i], row_words, parts, of_four, k)] = gathered[(size_t)i * words + k];
-}
-
-__kernel void move_rows(MOVE_ROWS_ARGS)
-{
-    uint first = get_global_id(0) * PER_ITEM, last = min(first + PER_ITEM, n_ids);
-    for (uint i = first; i < last; ++i) {
-        size_t from = (size_t)ids[i] * row_words, to = (size_t)i * row_words;
-        for (uint k = 0; k < row_words; ++k)
-            gathered[to + k] = ids[i] == NO_PLACE ? 0 : rows[from + k];
-    }
 }

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 return {
   about = "parts of some bodies' rows together, and back",
-  uses = { "dynamics/border.h" },
+  uses = {},
   params = {
     common.GROUP(64),
     { "PER_ITEM", values = { 1, 64 }, default = function(limits) return limits.cpu and 64 or 1 end,
@@ -27,13 +27,6 @@ return {
       uint first_id
       uint n_ids
       const uint *gathered
-    ]],
-    move_rows = [[
-      const uint *rows
-      uint row_words
-      const uint *ids
-      uint n_ids
-      uint *gathered
     ]],
   },
 }

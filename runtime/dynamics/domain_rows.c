@@ -137,7 +137,7 @@ static bool move_rows(duet_motion *m, motion_buffer which, uint32_t n, duet_erro
         return false;
     m->reading.rows = m->buffers[which];
     m->reading.row_words = words;
-    if (!motion_launch(m, MOVE_ROWS, err))
+    if (!motion_launch(m, GATHER_ROWS, err))
         return false;
     buffer_swap(&m->buffers[which], &m->buffers[GATHERED]);
     return true;

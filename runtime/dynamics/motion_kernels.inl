@@ -75,7 +75,6 @@ LATER(WRITE_POSES, write_poses, "write_poses", "fetch", m->n)
 // rows, contacts and bodies of a domain
 LATER(PACK_ROWS, pack_rows, "row_parts", "domain", m->reading.n_ids)
 LATER(UNPACK_ROWS, unpack_rows, "row_parts", "domain", m->reading.n_ids)
-LATER(MOVE_ROWS, move_rows, "row_parts", "domain", m->reading.n_ids)
 LATER(KEEP_CONTACTS, keep_contacts, "keep_contacts", "domain", m->graph.n_contacts)
 LATER(MARK_BORDER, mark_border, "border", "domain", m->graph.n_contacts)
 LATER(CHOOSE_INNER, choose_inner, "border", "graph_colour", m->awake.n_bodies)

@@ -68,7 +68,7 @@ if(CLUSTER)
     message(FATAL_ERROR "two domains: the state is ${simulated}, not ${right}")
   endif()
 else()
-  foreach(name IN ITEMS pack_rows unpack_rows move_rows mark_border choose_inner count_border list_border used_colours
+  foreach(name IN ITEMS pack_rows unpack_rows mark_border choose_inner count_border list_border used_colours
       list_near list_meeting make_far_boxes keep_contacts begin_ghosts note_kept note_lacks take_needed take_own
       end_contacts end_ghosts read_asked take_asked)
     list(APPEND launched "kernel '${name}'")
