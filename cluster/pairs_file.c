@@ -76,10 +76,10 @@ static bool open_file(output *o, const char *path, uint64_t pairs, uint64_t *val
     bool ok = text_ok(&header, err) && output_open(o, path, err) && output_part_path(o, part, err);
     uint64_t bytes = header.length + pairs * sizeof(duet_pair64);
     errno = 0;
-    ok = ok && check(ftruncate(fileno(o->stream), (off_t)bytes) == 0, path, err);
-    if (ok && (fwrite(header.chars, 1, header.length, o->stream) != header.length ||
-               fflush(o->stream) != 0))
-        ok = error_set(err, DUET_STATUS_IO_FAILED, "%s: cannot be written", path);
+    ok = ok && check(ftruncate(fileno(o->stream), (off_t)bytes) == 0, path, err) &&
+         check(fwrite(header.chars, 1, header.length, o->stream) == header.length &&
+                   fflush(o->stream) == 0,
+               path, err);
     *values_at = header.length;
     text_free(&header);
     return ok;
