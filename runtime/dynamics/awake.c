@@ -62,7 +62,8 @@ bool motion_make_awake(duet_motion *m, duet_error *err)
     a->n_contacts = m->graph.n_contacts;
     bool made = a->counts.bytes && product_was_made(&m->products, PRODUCT_AWAKE);
     product_renew(&m->products, PRODUCT_AWAKE);
-    if (!(m->effects & DUET_EFFECT_SLEEP))
+    a->all_awake = !(m->effects & DUET_EFFECT_SLEEP);
+    if (a->all_awake)
         return true;
     a->n_parts = count_parts(m);
     if (!reserve(m, err))

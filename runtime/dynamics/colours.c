@@ -130,8 +130,7 @@ static bool list_colours(duet_motion *m, duet_error *err)
 // If the contacts are those of the list, and none changed its colour, the list holds.
 static bool keep_list(duet_motion *m)
 {
-    if (m->effects & DUET_EFFECT_SLEEP)
-        motion_count_awake(m);
+    motion_count_awake(m);
     bool holds = !product_is_forgotten(&m->products, PRODUCT_COLOURS) && !m->flags[FLAG_RECOLOURED];
     if (holds)
         product_keep(&m->products, PRODUCT_COLOURS);
