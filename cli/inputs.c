@@ -287,6 +287,14 @@ bool inputs_change_plan(const plan_options *options, const duet_device_pair *pai
            check_plan(options, pair, selectors, err);
 }
 
+bool inputs_do_without_profile(const duet_error *why, duet_error *err)
+{
+    if (why->status == DUET_STATUS_DEVICE_FAILED || why->status == DUET_STATUS_NO_MEMORY)
+        return error_copy(err, why);
+    say_failed(why);
+    return true;
+}
+
 // ---------------------------------------------------------------- motions
 
 // A motion in which nothing happens has no plan.
@@ -304,10 +312,12 @@ duet_motion *inputs_make_motion(const duet_scene *scene, duet_motion_def *def,
     if (!inputs_change_plan(options, def->pair, selectors, &def->plan, err))
         return NULL;
     duet_motion *motion = duet_motion_create_from_scene(def, scene, NULL, err);
-    if (motion && happens(motion) && !inputs_plan_given(options) &&
-        !duet_motion_load_profile(motion, NULL, profile, &failure))
-        say_failed(&failure);
-    return motion;
+    if (!motion || !happens(motion) || inputs_plan_given(options) ||
+        duet_motion_load_profile(motion, NULL, profile, &failure) ||
+        inputs_do_without_profile(&failure, err))
+        return motion;
+    duet_motion_destroy(motion);
+    return NULL;
 }
 
 duet_plan inputs_motion_plan(const duet_motion *motion)

@@ -87,9 +87,13 @@ typedef struct level_options {
 // NULL: certified. BAD_ARGUMENT for a name that no level has.
 bool inputs_read_level(const char *name, duet_level *level, duet_error *err);
 
-// Makes the scene's motion by the plan that was given, else by the one that was measured; a store
-// that cannot be read is told of. The def is the scene's, with the pair that selectors opened.
-// *profile says where the plan is from, unless it was given.
+// Once no profile could be loaded: tells of a store that cannot be read, without which the default
+// plan does. A device that failed ends the run.
+bool inputs_do_without_profile(const duet_error *why, duet_error *err);
+
+// Makes the scene's motion by the plan that was given, else by the one that was measured. The def
+// is the scene's, with the pair that selectors opened. *profile says where the plan is from, unless
+// it was given.
 duet_motion *inputs_make_motion(const duet_scene *scene, duet_motion_def *def,
                                 const char *selectors, const plan_options *options,
                                 duet_profile *profile, duet_error *err);

@@ -52,8 +52,7 @@ static bool make_world(still *s, duet_error *err)
                err, "--variant-a: A and B are one device, which works as B; expected --variant");
 }
 
-// A plan that was given is kept; else the world gets the one that was measured. A store that cannot
-// be read is told of, and the default plan does.
+// A plan that was given is kept; else the world gets the one that was measured.
 static bool choose_plan(still *s, duet_error *err)
 {
     run_report *r = &s->report;
@@ -63,9 +62,8 @@ static bool choose_plan(still *s, duet_error *err)
     if (!duet_world_set_scene(r->world, s->scene, err))
         return false;
     duet_error failure = {0};
-    if (!duet_world_load_profile(r->world, NULL, &r->profile, &failure))
-        say_failed(&failure);
-    return true;
+    return duet_world_load_profile(r->world, NULL, &r->profile, &failure) ||
+           inputs_do_without_profile(&failure, err);
 }
 
 // ---------------------------------------------------------------- its pairs

@@ -267,4 +267,28 @@ TEST(a_mesh_hides_what_is_behind_its_outside_alone)
     assert_false(are_same(from_within, from_within_further));
 }
 
+// Returns whether there are so many buffers. A run without one of them ends with a line.
+static bool ends_without_buffer(int buffer)
+{
+    char variables[320];
+    snprintf(variables, sizeof variables,
+             "ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD=" TEST_WRONG " REFUSED_BUFFER=%d",
+             buffer);
+    program p = program_run_with(variables, "run --steps 2 " SCENE);
+    if (p.exit_code == 0 && !*p.err)
+        return false;
+    const char *end = strchr(p.err, '\n');
+    if (p.exit_code != 1 || !end || end[1] || !strstr(p.err, "CL_MEM_OBJECT_ALLOCATION_FAILURE"))
+        fail_msg("without buffer %d: exit %d, '%s'", buffer, p.exit_code, p.err);
+    return true;
+}
+
+TEST(a_run_ends_if_a_buffer_is_refused)
+{
+    int buffer = 0;
+    while (ends_without_buffer(buffer))
+        buffer += 5;
+    assert_true(buffer > 20);
+}
+
 TEST_BEGIN(make_scene)

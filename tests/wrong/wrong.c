@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// An OpenCL driver that miscompiles for some contexts, of a device of its own each: LD_PRELOAD puts
-// this before the loader. In the source of programs for the context WRONG_CONTEXT (from 0 on) and
-// later ones the text WRONG_FROM becomes WRONG_TO, so a test knows which kernel is wrong, and for
-// which bodies.
+// An OpenCL driver that miscompiles for some contexts, of a device of its own each, or refuses a
+// buffer: LD_PRELOAD puts this before the loader. In the source of programs for the context
+// WRONG_CONTEXT (from 0 on) and later ones the text WRONG_FROM becomes WRONG_TO, so a test knows
+// which kernel is wrong, and for which bodies. Of the buffers that are made REFUSED_BUFFER (from 0
+// on) is not.
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,4 +72,18 @@ clCreateProgramWithSource(cl_context context, cl_uint n, const char **strings,
     cl_program program = real(context, 1, &whole, NULL, code);
     free(text);
     return program;
+}
+
+__attribute__((visibility("default"))) cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags,
+                                                             size_t bytes, void *host, cl_int *code)
+{
+    static atomic_int n;
+    __typeof__(&clCreateBuffer) real;
+    void *const found = dlsym(RTLD_NEXT, "clCreateBuffer");
+    memcpy(&real, &found, sizeof real);
+    const char *refused = getenv("REFUSED_BUFFER");
+    if (!refused || atomic_fetch_add(&n, 1) != atoi(refused))
+        return real(context, flags, bytes, host, code);
+    *code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    return NULL;
 }
