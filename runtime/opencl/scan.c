@@ -43,16 +43,22 @@ static bool run_blocks(scan *s, timeline *t, const char *stage, duet_error *err)
 // A part has at least so many values.
 enum { LEAST_PART = 4096 };
 
-// Stamps begin anew with new words, and before there is no next one.
+// Stamps begin anew with new words, and before there is no next one. New words are larger; their
+// handle may be that of those before.
 static bool begin_stamp(scan *s, timeline *t, const char *stage, uint32_t parts, duet_error *err)
 {
-    const void *before = s->told.mem;
+    const size_t before = s->told.bytes;
     if (!buffer_reserve(&s->told, s->device, parts * 2 * sizeof(uint32_t), err))
         return false;
-    const bool is_new = s->told.mem != before || s->stamp == UINT32_MAX;
-    s->stamp = is_new ? 1 : s->stamp + 1;
-    return !is_new ||
-           timeline_fill(t, stage, &s->told, 0, 0, s->told.bytes / sizeof(uint32_t), err);
+    if (s->told.bytes == before && s->stamp < UINT32_MAX) {
+        ++s->stamp;
+        return true;
+    }
+    s->stamp = UINT32_MAX; // until the words are zeroed
+    if (!timeline_fill(t, stage, &s->told, 0, 0, s->told.bytes / sizeof(uint32_t), err))
+        return false;
+    s->stamp = 1;
+    return true;
 }
 
 // Each thread has a part, whole groups.

@@ -9,7 +9,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
-enum { MOST = 300000 };
+enum { MOST = 300000, LARGEST = 3000000 };
 
 // The host reads them here again once a timeline has shown them.
 typedef struct bench {
@@ -18,7 +18,7 @@ typedef struct bench {
     program_set *set;
     scan s;
     buffer words, sums;
-    uint32_t from[MOST + 1];
+    uint32_t from[LARGEST + 1];
 } bench;
 
 static bench b;
@@ -239,6 +239,28 @@ TEST(sums_go_elsewhere_and_leave_zeros)
     rng r = {test_seed()};
     try_numbers(&r, true, false);
     try_numbers(&r, true, true);
+}
+
+// Words that were not zeroed may hold the next stamp.
+TEST(stamps_begin_anew_after_new_words_were_not_zeroed)
+{
+    rng r = {test_seed()};
+    timeline t = {0};
+    open_bench(false, false);
+    try_scan(&r, MOST, false);
+    try_scan(&r, MOST, false);
+    const cl_command_queue queue = b.d.queue;
+    timeline_begin(&t, &b.d, true);
+    must(scan_run(&b.s, &t, "scan", &b.words, &b.words, MOST, ERR));
+    b.d.info.units = LARGEST;
+    b.d.queue = NULL;
+    must_fail(scan_run(&b.s, &t, "scan", &b.words, &b.words, LARGEST, ERR),
+              DUET_STATUS_DEVICE_FAILED, "filling a buffer");
+    b.d.queue = queue;
+    timeline_finish(&t, NULL);
+    try_scan(&r, LARGEST, false);
+    assert_int_equal(b.s.stamp, 1);
+    close_bench();
 }
 
 // Its caller closes it, or opens it again; nothing is left of what was there before.
