@@ -26,6 +26,7 @@
 #include <unistd.h>
 
 enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
+enum { TELLS_DONE = 1 }; // to the socket; 0: asked to stop
 
 #define STOP_NS 2500000000u       // given to ranks that are asked to stop
 #define STOP_GRACE_NS 1500000000u // then to mpirun to end them, which was asked to
@@ -34,11 +35,18 @@ enum { PAUSE_MS = 20, START_S = 60, LAST_SIGNAL = 31 };
 
 typedef enum line_state { LINE_BEGINS, LINE_PASSES, LINE_DROPPED } line_state;
 
+// What ranks have told the socket: a later state hides those before.
+typedef enum told_state {
+    TOLD_NOTHING,
+    TOLD_DONE,  // a rank is done
+    TOLD_ASKED, // a signal asks a rank to stop
+} told_state;
+
 typedef struct job {
     const mpirun_job *what;
-    bool begun;       // all ranks are there
-    bool stopped;     // they have stopped, because one was asked to
-    bool ranks_asked; // by a signal, as the socket was told
+    bool begun;   // all ranks are there
+    bool stopped; // they have stopped, because one was asked to
+    told_state told_by_ranks;
     pid_t mpirun;
     int err_pipe;      // its stderr; -1: closed
     line_state line;   // of what mpirun and the ranks write
@@ -137,6 +145,12 @@ int mpirun_connect(void)
     return -1;
 }
 
+void mpirun_tell_done(int file)
+{
+    if (file >= 0)
+        send(file, (char[]){TELLS_DONE}, 1, 0);
+}
+
 // ---------------------------------------------------------------- from begin to end
 
 static bool spawn(job *j, duet_error *err)
@@ -165,7 +179,7 @@ static bool spawn(job *j, duet_error *err)
 // Whether it was asked to stop, or a rank was.
 static bool is_stopping(const job *j)
 {
-    return j->stop_ns > 0 || j->stopped || j->ranks_asked;
+    return j->stop_ns > 0 || j->stopped || j->told_by_ranks == TOLD_ASKED;
 }
 
 // Whether a byte is told. Once the job stops, lines are only told if they are of Duet: mpirun,
@@ -205,17 +219,19 @@ static bool relay(job *j, int wait_ms)
     return n > 0;
 }
 
-// Notes whether a rank told that a signal asks it to stop.
-static void note_asked_ranks(job *j)
+// Notes whether a rank told that a signal asks it to stop, or that it is done.
+static void note_told(job *j)
 {
-    char told;
-    j->ranks_asked |= j->asked >= 0 && recv(j->asked, &told, 1, 0) == 1;
+    for (char told; j->asked >= 0 && recv(j->asked, &told, 1, 0) == 1;) {
+        const told_state state = told == TELLS_DONE ? TOLD_DONE : TOLD_ASKED;
+        j->told_by_ranks = state > j->told_by_ranks ? state : j->told_by_ranks;
+    }
 }
 
 // Ranks that are at work tell what they have done; others end.
 static void ask_to_stop(job *j)
 {
-    note_asked_ranks(j);
+    note_told(j);
     if (j->stop_ns > 0 || !interrupt_asked())
         return;
     kill(j->mpirun, MPIRUN_STOPS);
@@ -292,7 +308,7 @@ static bool wait_for(job *j)
     }
     while (relay(j, 0))
         continue;
-    note_asked_ranks(j); // that were since the last look
+    note_told(j); // what was since the last look
     return ended == j->mpirun;
 }
 
@@ -338,10 +354,11 @@ static bool fail_by_status(const job *j, int code, duet_error *err)
 }
 
 // mpirun asks ranks to stop because it was itself, or because it has lost one: its status then says
-// how that one ended.
+// how that one ended. Ranks that are done cannot tell that it was asked.
 static bool is_mpirun_asked(const job *j)
 {
-    return j->ranks_asked && WIFEXITED(j->status) && WEXITSTATUS(j->status) == EXIT_FAILED;
+    return j->told_by_ranks != TOLD_NOTHING && WIFEXITED(j->status) &&
+           WEXITSTATUS(j->status) == EXIT_FAILED;
 }
 
 static bool explain(const job *j, int *status, duet_error *err)

@@ -27,8 +27,11 @@ enum { MPIRUN_BEGUN = 0x06, MPIRUN_STOPPED = 0x18 };
 // it is asked itself, ends its ranks by one and no longer passes on what they write.
 #define MPIRUN_ASKED "DUET_CLUSTER_ASKED"
 
-// For a rank: connects to that socket, to which a byte is written then; -1: there is none.
+// For a rank: connects to that socket, to which a byte 0 is written then; -1: there is none.
 int mpirun_connect(void);
+
+// Tells it that this rank is done, so that no signal is told any more.
+void mpirun_tell_done(int file);
 
 typedef struct mpirun_job {
     char **argv;        // mpirun's, itself first, and NULL last

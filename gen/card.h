@@ -51,6 +51,10 @@ bool card_set_fallbacks(card *c, const gen_limits *limits, duet_error *err);
 bool card_fill(card *c, const gen_offer *offers, uint32_t n, const gen_limits *limits,
                gen_setting *config, duet_error *err);
 
+// Tells whether a config is valid, and fails only if the card does.
+bool card_judge(card *c, const gen_limits *limits, const gen_setting *config, bool *is_valid,
+                duet_error *err);
+
 // BAD_ARGUMENT with the card's reason where the config is not valid.
 bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
                 duet_error *err);

@@ -137,6 +137,15 @@ static bool ask(lua_CFunction function, question *q, duet_error *err)
     return script_call(q->card->script, 1, 0, err);
 }
 
+bool card_judge(card *c, const gen_limits *limits, const gen_setting *config, bool *is_valid,
+                duet_error *err)
+{
+    question q = {.card = c, .limits = limits, .config = config};
+    bool ok = ask(check, &q, err);
+    *is_valid = q.is_valid;
+    return ok;
+}
+
 bool card_check(card *c, const gen_limits *limits, const gen_setting *config, card_launch *launch,
                 duet_error *err)
 {

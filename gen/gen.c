@@ -220,13 +220,11 @@ static bool walk_block(card *c, const gen_limits *limits, uint64_t block, uint64
     uint64_t size = card_size(c), end = (block + 1) * BLOCK;
     *n = 0;
     for (uint64_t i = block * BLOCK; i < size && i < end && *n < enough; ++i) {
-        card_launch launch;
-        duet_error why = {0};
+        bool is_valid;
         card_config(c, i, config);
-        bool valid = card_check(c, limits, config, &launch, &why);
-        if (!valid && why.status != DUET_STATUS_BAD_ARGUMENT)
-            return error_copy(err, &why);
-        *n += valid;
+        if (!card_judge(c, limits, config, &is_valid, err))
+            return false;
+        *n += is_valid;
     }
     return true;
 }

@@ -88,7 +88,8 @@ int main(int argc, char **argv)
     setlocale(LC_CTYPE, "");
     signal(SIGXFSZ, SIG_IGN);
     interrupt_hear(MPIRUN_STOPS);
-    interrupt_tell(mpirun_connect());
+    const int starter = mpirun_connect();
+    interrupt_tell(starter);
     interrupt_watch(); // before MPI's threads, so that the guard alone hears signals
     bool is_alone = !cluster_job(&job_rank, &job_ranks);
     interrupt_react(is_alone ? INTERRUPT_ENDS : INTERRUPT_ENDS_SILENTLY);
@@ -107,6 +108,8 @@ int main(int argc, char **argv)
     MPI_Finalize();
     bool written = say_finish();
     status = status == EXIT_OK && !written ? EXIT_FAILED : status;
+    if (status == EXIT_OK)
+        mpirun_tell_done(starter);
     if (is_alone && status == EXIT_INTERRUPTED)
         interrupt_end();
     return started && status != EXIT_OK ? MPIRUN_TOLD + status : status;

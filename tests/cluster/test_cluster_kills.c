@@ -99,18 +99,21 @@ static bool has_ended(pid_t job, int *status)
     return ended == job;
 }
 
-// Whether a process has a handler of SIGTERM: a rank that has not would be ended by it.
+// Whether a process is a rank with a handler of SIGTERM, which would else end it. mpirun's child
+// has mpirun's handler until it becomes a rank.
 static bool hears(pid_t process)
 {
-    char path[64], line[128];
+    char path[64], line[128], name[16] = "";
     unsigned long long caught = 0;
     snprintf(path, sizeof path, "/proc/%ld/status", (long)process);
     FILE *f = fopen(path, "r");
-    while (f && fgets(line, sizeof line, f))
+    while (f && fgets(line, sizeof line, f)) {
+        sscanf(line, "Name: %15s", name);
         sscanf(line, "SigCgt: %llx", &caught);
+    }
     if (f)
         fclose(f);
-    return caught >> (SIGTERM - 1) & 1;
+    return strcmp(name, "duet-cluster") == 0 && caught >> (SIGTERM - 1) & 1;
 }
 
 static bool all_hear(pid_t job, int n_ranks, pid_t ranks[MOST_RANKS])
@@ -241,9 +244,23 @@ TEST(a_job_that_loses_a_rank_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
 
 // ---------------------------------------------------------------- jobs that are asked to stop
 
-// Sends a signal to the program or to its mpirun. Returns how long the job went on; -1: it was done
-// before. A program that was stopped ends by that signal, or by SIGINT if another process was
-// asked.
+// Returns how long a job goes on that was asked to stop, and ends by that signal; -1: it was done
+// before.
+static double time_stop(pid_t job, int number)
+{
+    int status = 0;
+    double took_s = time_end(job, &status);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return -1;
+    const text says = test_read_file(SAYS);
+    assert_string_equal(text_chars(&says), "duet: stopped\n");
+    assert_true(WIFSIGNALED(status));
+    assert_int_equal(WTERMSIG(status), number);
+    return took_s;
+}
+
+// Sends a signal to the program or to its mpirun. Returns what time_stop does. A program ends by
+// SIGINT if another process was asked.
 static double run_and_stop(const char *arguments, int n_ranks, uint64_t after_ms, int number,
                            bool to_mpirun)
 {
@@ -254,14 +271,39 @@ static double run_and_stop(const char *arguments, int n_ranks, uint64_t after_ms
         wait_for_end(job, &status);
         return -1;
     }
-    double took_s = time_end(job, &status);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return -1;
-    const text says = test_read_file(SAYS);
-    assert_string_equal(text_chars(&says), "duet: stopped\n");
-    assert_true(WIFSIGNALED(status));
-    assert_int_equal(WTERMSIG(status), to_mpirun ? SIGINT : number);
-    return took_s;
+    return time_stop(job, to_mpirun ? SIGINT : number);
+}
+
+// Whether it waits for its parent to notice that it has ended, or is gone.
+static bool is_done(pid_t process)
+{
+    char path[64], state = 'Z';
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)process);
+    FILE *f = fopen(path, "r");
+    if (f && fscanf(f, "%*d (%*[^)]) %c", &state) != 1)
+        state = 'Z';
+    if (f)
+        fclose(f);
+    return state == 'Z';
+}
+
+// Ranks are done some milliseconds before mpirun; if that is done, too, another job is asked.
+TEST(a_job_whose_mpirun_is_asked_once_its_ranks_are_done_is_stopped)
+{
+    for (double took_s = -1; took_s < 0;) {
+        int status = 0;
+        pid_t ranks[MOST_RANKS], mpirun[MOST_RANKS];
+        pid_t job = program_start(SAYS, "cluster --ranks 2 " SCENE " --steps 1 --json");
+        if (!wait_for(job, 2, 0, ranks, &status) || children_of(job, mpirun) == 0) {
+            wait_for_end(job, &status);
+            continue;
+        }
+        while (!is_done(ranks[0]) || !is_done(ranks[1]))
+            pause_ms(1);
+        kill(mpirun[0], SIGTERM);
+        took_s = time_stop(job, SIGINT);
+    }
+    remove(SAYS);
 }
 
 TEST(a_job_that_is_asked_to_stop_at_any_moment_ends_soon_and_goes_on_bit_for_bit)
