@@ -77,5 +77,5 @@ bool scan_run(scan *s, timeline *t, const char *stage, const buffer *values, con
     s->values = *values;
     s->to = *to;
     s->n = n;
-    return SCAN_IS_AT_ONCE(s) ? run_at_once(s, t, stage, err) : run_blocks(s, t, stage, err);
+    return s->at_once ? run_at_once(s, t, stage, err) : run_blocks(s, t, stage, err);
 }
