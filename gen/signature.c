@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gen/signature.h"
+#include "base/error.h"
 #include "base/list.h"
 #include "gen/field_line.h"
 #include "gen/script.h"
@@ -161,9 +162,12 @@ static int by_entry(const void *a, const void *b)
 void signature_read(lua_State *L, signature **list, uint32_t *n)
 {
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-        signature *grown = list_room(*list, *n, sizeof **list, NULL);
-        if (!grown)
-            script_lacks_memory(L);
+        duet_error why = {0};
+        signature *grown = list_room(*list, *n, sizeof **list, &why);
+        if (!grown) { // a script further out may have kept all that it may take
+            script_set_failure(L, why.status);
+            luaL_error(L, "%s", why.text);
+        }
         *list = grown;
         grown[*n] = (signature){0};
         read_entry(L, &grown[(*n)++]);
