@@ -412,7 +412,7 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
     const motion_kernels kernels = m->kernels;
     const motion_layout layout = m->layout;
     const scan of_sums = *sums;
-    kernel *const of_sorts[] = {sorts->count, sorts->move};
+    const radix_sort of_sorts = *sorts;
     bool ok = choose_all(m, err) && program_set_build(m->programs, err);
     product_drop(&m->products, PRODUCT_AWAKE); // bodies may have another layout
     if (!ok) {
@@ -420,8 +420,7 @@ bool motion_prepare_again(duet_motion *m, duet_error *err)
         m->kernels = kernels;
         m->layout = layout;
         *sums = of_sums;
-        sorts->count = of_sorts[0];
-        sorts->move = of_sorts[1];
+        *sorts = of_sorts;
     }
     return ok;
 }
