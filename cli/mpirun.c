@@ -35,7 +35,7 @@ enum { TELLS_DONE = 1 }; // to the socket; 0: asked to stop
 
 typedef enum line_state { LINE_BEGINS, LINE_PASSES, LINE_DROPPED } line_state;
 
-// What ranks have told the socket: a later state hides those before.
+// The latest that ranks have told the socket: a later state hides those before.
 typedef enum told_state {
     TOLD_NOTHING,
     TOLD_DONE,  // a rank is done

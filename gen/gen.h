@@ -58,7 +58,7 @@ typedef struct gen_offer {
 
 enum { GEN_NAME = 48, GEN_MAX_ARGS = 48 };
 
-// What a kernel may do with a buffer, each the less.
+// Ways in which a kernel may use a buffer, each the less.
 typedef enum gen_memory {
     GEN_WRITTEN,  // __global
     GEN_READ,     // __global const

@@ -281,7 +281,7 @@ static bool read_line(FILE *file, text *line)
     return line->length > 0 || line->failed;
 }
 
-// What no line can be; NULL: it may be one.
+// Says why the text can be no line; NULL: it may be one.
 static const char *what_is_wrong(const text *line)
 {
     return line->length > TEXT_LINE_MOST        ? "is longer than 16 MiB"

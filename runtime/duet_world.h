@@ -49,7 +49,8 @@ DUET_API duet_plan duet_default_plan(const duet_device_pair *pair);
 // Objects on a device pair, stepped again and again.
 typedef struct duet_world duet_world;
 
-// What a step gets of each pose. The sizes of transforms are set by themselves, and seldom.
+// The part of each pose that a step gets. The sizes of transforms are set by themselves, and
+// seldom.
 typedef enum duet_pose_form {
     DUET_POSE_WHOLE,     // duet_pose, 40 bytes
     DUET_POSE_TRANSFORM, // duet_transform, 28 bytes
